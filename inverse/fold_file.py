@@ -1,0 +1,99 @@
+"""Designs as FOLD 1.2 files, written so that other programs read them too."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from inverse import folding, geometry
+from inverse.errors import InputError
+from inverse.files import write_atomically
+from inverse.holes import hole_strips
+from inverse.fold_format import FoldFrame, read_frame
+from inverse.pattern import EDGE_TYPE_NAMES, B, Design, IntArray, Pattern
+
+
+def document(design: Design) -> dict[str, Any]:
+    """The FOLD document of a design: the design state as root frame, the two flat states as further frames."""
+    pattern = design.pattern
+    angles = np.degrees(geometry.fold_angles(pattern, design.vertices_coords))
+    assignment = np.where(pattern.edges_type == B, "B", np.where(angles > 0, "V", "M"))
+    root: dict[str, Any] = {
+        "file_spec": 1.2,
+        "file_creator": "inverse",
+        "file_title": design.name,
+        "file_classes": ["singleModel"],
+        "frame_title": "design",
+        "frame_classes": ["foldedForm"],
+        "frame_attributes": ["3D", "orientable"],
+        "frame_unit": design.unit,
+        "vertices_coords": design.vertices_coords.tolist(),
+        "edges_vertices": pattern.edges_vertices.tolist(),
+        "edges_assignment": assignment.tolist(),
+        "edges_foldAngle": angles.tolist(),
+        "faces_vertices": [list(face) for face in pattern.faces_vertices],
+        "bdffpq:edges_type": [EDGE_TYPE_NAMES[t] for t in pattern.edges_type],
+        "bdffpq:topology": pattern.topology,
+        "bdffpq:holes": [list(strip) for strip in hole_strips(pattern)],
+    }
+    if pattern.grid is not None:
+        root["bdffpq:grid"] = list(pattern.grid)
+    root["file_frames"] = [_flat_frame(design, "developed", 0.0), _flat_frame(design, "flat-folded", np.pi)]
+    return root
+
+
+def write(design: Design, path: Path) -> None:
+    """Write a design file, whole or not at all; coordinates keep every bit."""
+    write_atomically(path, json.dumps(document(design), allow_nan=False) + "\n")
+
+
+def read(path: Path) -> Design:
+    """Read a design file; :func:`write` followed by :func:`read` gives the same design.
+
+    Raises:
+        InputError: the file is not a valid design, see :func:`inverse.fold_format.read_frame` and
+            :meth:`inverse.pattern.Pattern.from_faces`.
+    """
+    frame = read_frame(path)
+    try:
+        return _design(frame)
+    except InputError as error:
+        raise InputError(error.message, where=str(path), hint=error.hint) from None
+
+
+def _design(frame: FoldFrame) -> Design:
+    words = {
+        frozenset(pair): EDGE_TYPE_NAMES.index(word)
+        for pair, word in zip(frame.edges_vertices.tolist(), frame.edges_type, strict=True)
+    }
+
+    def types(edges: IntArray) -> np.ndarray:
+        found = []
+        for pair in edges.tolist():
+            kind = words.get(frozenset(pair), B)
+            if kind == B:
+                raise InputError(f"interior edge {pair[0]}-{pair[1]} has no type: FL or CFL is needed")
+            found.append(kind)
+        return np.array(found, np.int8)
+
+    grid = frame.document.get("bdffpq:grid")
+    size = (int(grid[0]), int(grid[1])) if isinstance(grid, list) and len(grid) == 2 else None
+    pattern = Pattern.from_faces(frame.faces_vertices, len(frame.vertices_coords), types, size)
+    unit, title = frame.document.get("frame_unit", "unit"), frame.document.get("file_title", "design")
+    return Design(pattern, frame.vertices_coords, str(unit), str(title))
+
+
+def _flat_frame(design: Design, title: str, t: float) -> dict[str, Any]:
+    angles = np.degrees(folding.fold_angles_at(design, np.array([t]))[0])
+    return {
+        "frame_title": title,
+        "frame_classes": ["foldedForm"],
+        "frame_attributes": ["2D"],
+        "frame_parent": 0,
+        "frame_inherit": True,
+        "vertices_coords": folding.flat_state(design, t)[:, :2].tolist(),
+        "edges_foldAngle": angles.tolist(),
+    }

@@ -1,0 +1,109 @@
+"""The design as an optimization model in the language of geometry: variables, scales, terms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from inverse import geometry
+from inverse.kernels import Elements
+from inverse.pattern import Design, FloatArray, IntArray, Pattern
+
+
+@dataclass(frozen=True, eq=False)
+class DesignModel:
+    """Vertex coordinates of a seed as variables.
+
+    Variables are dimensionless: coordinates relative to the seed's centre, divided by its mean edge length, so
+    that the same design in millimetres and in kilometres is the same problem.
+
+    Attributes:
+        seed: the placed seed; lengths and signs of folds are bounded relative to it.
+    """
+
+    seed: Design
+
+    @property
+    def pattern(self) -> Pattern:
+        """Topology and line types."""
+        return self.seed.pattern
+
+    @cached_property
+    def scale(self) -> float:
+        """Mean edge length of the seed, in the seed's unit."""
+        return float(geometry.edge_lengths(self.pattern, self.seed.vertices_coords).mean())
+
+    @cached_property
+    def centre(self) -> FloatArray:
+        """(3,) mean of the seed's vertices."""
+        return np.asarray(self.seed.vertices_coords.mean(axis=0))
+
+    @cached_property
+    def seed_points(self) -> FloatArray:
+        """(V, 3) dimensionless vertices of the seed."""
+        return self.to_dimensionless(self.seed.vertices_coords)
+
+    def to_dimensionless(self, points: FloatArray) -> FloatArray:
+        """Points (N, 3) in the seed's unit as dimensionless ones."""
+        return np.asarray((points - self.centre) / self.scale)
+
+    def to_lengths(self, points: FloatArray) -> FloatArray:
+        """Dimensionless points (N, 3) in the seed's unit."""
+        return np.asarray(points * self.scale + self.centre)
+
+    def design(self, variables: FloatArray) -> Design:
+        """The design that a vector of variables, (3V,), stands for."""
+        return self.seed.moved_to(self.to_lengths(variables.reshape(-1, 3)))
+
+    @staticmethod
+    def variables_of(vertices: IntArray) -> IntArray:
+        """Places, (N, 3k), of the coordinates of vertices (N, k) in the vector of variables."""
+        places = 3 * vertices[:, :, None] + np.arange(3)
+        return places.reshape(len(vertices), -1)
+
+
+@dataclass(frozen=True, eq=False)
+class Constraint:
+    """Hard bounds on the residuals of some elements. Constraints have no weight.
+
+    Attributes:
+        elements: kernel and elements.
+        lower: (N, k) lower bounds, -inf where there is none.
+        upper: (N, k) upper bounds; where equal to ``lower`` the row is an equation.
+        labels: name of each element for messages, for example ``vertex 12``.
+    """
+
+    elements: Elements
+    lower: FloatArray
+    upper: FloatArray
+    labels: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Unique name of the term."""
+        return self.elements.name
+
+    @property
+    def is_equation(self) -> bool:
+        """Whether every row is an equation."""
+        return bool((self.lower == self.upper).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Objective:
+    """A weighted mean square of the residuals of some elements.
+
+    Attributes:
+        elements: kernel and elements.
+        weight: factor of the mean square.
+    """
+
+    elements: Elements
+    weight: float
+
+    @property
+    def name(self) -> str:
+        """Unique name of the term."""
+        return self.elements.name

@@ -1,0 +1,183 @@
+"""Objectives: fit to a target surface, coverage of it, fairness of the mesh. A term is one function and its registration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi
+import numpy as np
+
+from inverse import geometry
+from inverse.errors import InputError
+from inverse.kernels import Elements, Kernel
+from inverse.model import DesignModel, Objective
+from inverse.pattern import B, FloatArray, IntArray
+from inverse.target import Target
+
+FitPoints = Literal["facets", "layer", "vertices"]
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What objectives may look at.
+
+    Attributes:
+        model: the model.
+        target: the target surface.
+        fit_points: which points of the mesh are fitted.
+    """
+
+    model: DesignModel
+    target: Target
+    fit_points: FitPoints
+
+
+@dataclass(frozen=True)
+class Term:
+    """A registered objective: builds its elements; several blocks share the weight by their sizes."""
+
+    build: Callable[[Goal], list[Elements]]
+    default_weight: float
+
+
+OBJECTIVES: dict[str, Term] = {}
+
+
+def objective(name: str, default_weight: float = 0.0) -> Callable[[Callable[[Goal], list[Elements]]], Callable[[Goal], list[Elements]]]:
+    """Register an objective under a name that specifications may use.
+
+    Args:
+        name: key under ``objectives`` in a specification.
+        default_weight: weight where the specification gives none.
+    """
+
+    def register(build: Callable[[Goal], list[Elements]]) -> Callable[[Goal], list[Elements]]:
+        OBJECTIVES[name] = Term(build, default_weight)
+        return build
+
+    return register
+
+
+def fit_vertices(model: DesignModel, fit_points: FitPoints) -> list[IntArray]:
+    """Vertices whose mean is a fitted point, as arrays (N, k) grouped by k.
+
+    Args:
+        model: the model.
+        fit_points: ``facets`` (their centroids: the mid-surface), ``layer`` (every second vertex both ways) or
+            ``vertices``.
+
+    Raises:
+        InputError: a layer of a mesh that is no grid.
+    """
+    pattern = model.pattern
+    if fit_points == "vertices":
+        return [np.arange(pattern.n_vertices)[:, None]]
+    if fit_points == "layer":
+        if pattern.grid is None:
+            raise InputError("fit points 'layer' need a grid", hint="Use 'facets' or 'vertices'.")
+        m, n = pattern.grid
+        i, j = np.divmod(np.arange(pattern.n_vertices), n + 1)
+        return [np.flatnonzero((i % 2 == 0) & (j % 2 == 0))[:, None]]
+    by_sides: dict[int, list[tuple[int, ...]]] = {}
+    for face in pattern.faces_vertices:
+        by_sides.setdefault(len(face), []).append(face)
+    return [np.array(group, np.int64) for group in by_sides.values()]
+
+
+def mean_points(points: FloatArray, groups: list[IntArray]) -> FloatArray:
+    """Means (N, 3) of groups of vertices, ``points`` (V, 3)."""
+    return np.concatenate([points[group].mean(axis=1) for group in groups])
+
+
+@objective("fit", default_weight=1.0)
+def fit(goal: Goal) -> list[Elements]:
+    """Distance of the fitted points from the target: exact for smooth targets, else from tangent planes."""
+    model, blocks = goal.model, []
+    for group in fit_vertices(model, goal.fit_points):
+        k = group.shape[1]
+        name = "fit" if not blocks else f"fit_{k}"
+        scale, centre = model.scale, model.centre
+
+        def mean(q: casadi.SX, k: int = k) -> casadi.SX:
+            return casadi.sum2(casadi.reshape(q, 3, k)) / k
+
+        def exact(q: casadi.SX, _: casadi.SX, mean: Callable[[casadi.SX], casadi.SX] = mean) -> casadi.SX:
+            return goal.target.residual(mean(q) * scale + centre) / scale
+
+        def to_foot(q: casadi.SX, p: casadi.SX, mean: Callable[[casadi.SX], casadi.SX] = mean) -> casadi.SX:
+            return casadi.reshape(p[3:], 3, 3) @ (mean(q) - p[:3])
+
+        variables = model.variables_of(group)
+        if goal.target.residual(casadi.SX.zeros(3)) is not None:
+            blocks.append(Elements(name, Kernel(name, exact, 3 * k, 0), variables, np.empty((len(group), 0))))
+        else:
+            feet = foot_parameters(goal, model.seed.vertices_coords, [group])
+            blocks.append(Elements(name, Kernel(name, to_foot, 3 * k, 12), variables, feet))
+    return blocks
+
+
+def foot_parameters(goal: Goal, points: FloatArray, groups: list[IntArray]) -> FloatArray:
+    """Closest points and weights (N, 12), dimensionless, of the fitted points of vertices ``points`` (V, 3)."""
+    closest = goal.target.closest(mean_points(points, groups))
+    weights = closest.weights.transpose(0, 2, 1).reshape(-1, 9)  # column-major, as CasADi reshapes
+    return np.column_stack([goal.model.to_dimensionless(closest.feet), weights])
+
+
+@objective("coverage", default_weight=1e-3)
+def coverage(goal: Goal) -> list[Elements]:
+    """Facets of the rim stay, in plan, near the place on the target's rim that the placed seed gave them.
+
+    Fit alone is content with a mesh that has shrunk into a corner of the target.
+    """
+    model = goal.model
+    pattern = model.pattern
+    rim = np.unique(pattern.edges_faces[pattern.edges_type == B, 0])
+    plan = goal.target.frame.axes[:2]
+    blocks = []
+    for sides in sorted({len(pattern.faces_vertices[f]) for f in rim}):
+        group = np.array([pattern.faces_vertices[f] for f in rim if len(pattern.faces_vertices[f]) == sides], np.int64)
+        places = model.seed_points[group].mean(axis=1) @ plan.T
+
+        def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
+            return casadi.DM(plan) @ (casadi.sum2(casadi.reshape(q, 3, k)) / k) - p
+
+        name = "coverage" if not blocks else f"coverage_{sides}"
+        blocks.append(Elements(name, Kernel(name, residual, 3 * sides, 2), model.variables_of(group), places))
+    return blocks
+
+
+@objective("fairness", default_weight=1e-4)
+def fairness(goal: Goal) -> list[Elements]:
+    """Second differences, at every second vertex along a line, of the displacement from the seed.
+
+    Every second vertex, because a corrugation moves its two layers apart: each layer by itself is to be even.
+    """
+    model = goal.model
+    triples = [
+        (line[k - 2], line[k], line[k + 2]) for line in model.pattern.lines for k in range(2, len(line) - 2)
+    ]
+    vertices = np.array(triples, np.int64).reshape(-1, 3)
+    a, b, c = model.seed_points[vertices].transpose(1, 0, 2)
+    kernel = Kernel("fairness", lambda q, p: q[:3] - 2 * q[3:6] + q[6:] - p, 9, 3)
+    return [Elements("fairness", kernel, model.variables_of(vertices), a - 2 * b + c)] if triples else []
+
+
+def build(goal: Goal, weights: dict[str, float]) -> list[Objective]:
+    """The objective terms of given weights; terms that are not named have their default weight.
+
+    Raises:
+        InputError: a name that is not registered.
+    """
+    for name in weights:
+        if name not in OBJECTIVES:
+            raise InputError(f"{name!r} is no objective: registered are {', '.join(sorted(OBJECTIVES))}")
+    terms = []
+    for name, term in OBJECTIVES.items():
+        weight = weights.get(name, term.default_weight)
+        if weight > 0:
+            blocks = term.build(goal)
+            total = sum(e.count for e in blocks)
+            terms += [Objective(e, weight * e.count / total) for e in blocks]
+    return terms

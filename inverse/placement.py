@@ -1,0 +1,63 @@
+"""The seed over its target: scaled, turned and placed so that its design state covers the target's plan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from inverse.pattern import Design, FloatArray, Pattern
+from inverse.target import Frame
+
+
+def drifts(pattern: Pattern, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean vectors from side u0 to u1 and from v0 to v1 of a grid's vertices ``points`` (V, 3)."""
+    if pattern.grid is None:
+        raise ValueError("only a grid has drifts")
+    m, n = pattern.grid
+    table = points.reshape(m + 1, n + 1, 3)
+    return (table[-1] - table[0]).mean(axis=0), (table[:, -1] - table[:, 0]).mean(axis=0)
+
+
+def place_grid(
+    make: Callable[[Sequence[float], Sequence[float]], Design],
+    size: tuple[int, int],
+    frame: Frame,
+    *,
+    lengths: tuple[Sequence[float] | None, Sequence[float] | None] = (None, None),
+    turn: int = 0,
+    start_size: tuple[float, float] | None = None,
+) -> Design:
+    """A grid seed whose two drifts are the sides of the target's plan.
+
+    Args:
+        make: builds the seed from strip lengths along u and v.
+        size: facets along u and v.
+        frame: plan of the target.
+        lengths: strip lengths along u and v up to a factor, equal if None.
+        turn: 0: u along the plan's x; 90: u along its y.
+        start_size: drifts along u and v instead of the plan's sides.
+
+    Returns:
+        The placed seed.
+    """
+    extent = start_size or (frame.extent if turn == 0 else frame.extent[::-1])
+    given = [np.asarray(one if one is not None else np.ones(k)) for one, k in zip(lengths, size, strict=True)]
+    seed = make(*given)
+    reached = [np.linalg.norm(d) for d in drifts(seed.pattern, seed.vertices_coords)]
+    factors = [wanted / have for wanted, have in zip(extent, reached, strict=True)]
+    seed = make(given[0] * factors[0], given[1] * factors[1])
+    return seed.moved_to(placed(seed, frame, turn))
+
+
+def placed(seed: Design, frame: Frame, turn: int = 0) -> FloatArray:
+    """Vertices (V, 3) of a seed turned into the plan of a target, centre on centre."""
+    points = seed.vertices_coords
+    u, v = drifts(seed.pattern, points)
+    x = u / np.linalg.norm(u)
+    z = np.cross(u, v)
+    z /= np.linalg.norm(z)
+    own = np.stack([x, np.cross(z, x), z])
+    axes = frame.axes if turn == 0 else np.stack([frame.axes[1], -frame.axes[0], frame.axes[2]])
+    middle = (points.max(axis=0) + points.min(axis=0)) / 2 if seed.pattern.grid is None else points.mean(axis=0)
+    return np.asarray((points - middle) @ own.T @ axes + frame.origin)

@@ -1,0 +1,219 @@
+"""Smooth targets over a rectangle of two parameters: heights, and vaults between two curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Literal
+
+import casadi
+import numpy as np
+from scipy.optimize import brentq
+from scipy.spatial import cKDTree
+
+from inverse.errors import InputError
+from inverse.target.base import ClosestPoints, FloatArray, Frame, IntArray, Target
+from inverse.target.expression import parse
+
+SAMPLES = 96  # per direction: starts of the closest-point search, pictures, areas
+Profile = Literal["arc", "parabola", "catenary"]
+
+
+class ParametricTarget(Target):
+    """A surface S(a, b) over a rectangle.
+
+    Args:
+        surface: CasADi function of the parameters (2,) that returns a point (3,).
+        box: ((a0, a1), (b0, b1)).
+    """
+
+    def __init__(self, surface: casadi.Function, box: Sequence[Sequence[float]]) -> None:
+        self.low, self.high = (np.array([side[k] for side in box], np.float64) for k in (0, 1))
+        q, p = casadi.SX.sym("q", 2), casadi.SX.sym("p", 3)
+        s = surface(q)
+        half_square = casadi.sumsqr(s - p) / 2
+        hessian, gradient = casadi.hessian(half_square, q)
+        self._point = casadi.Function("point", [q], [s])
+        self._slopes = casadi.Function("slopes", [q], [casadi.densify(casadi.jacobian(s, q))])
+        self._model = casadi.Function(
+            "model", [q, p], [half_square, casadi.densify(gradient), casadi.densify(hessian)]
+        )
+
+    def point(self, parameters: FloatArray) -> FloatArray:
+        """Points (N, 3) of the surface at parameters (N, 2)."""
+        return np.asarray(self._point(parameters.T)).T
+
+    @cached_property
+    def _samples(self) -> tuple[FloatArray, FloatArray]:
+        sides = [np.linspace(lo, hi, SAMPLES + 1) for lo, hi in zip(self.low, self.high, strict=True)]
+        parameters = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
+        points = self.point(parameters)
+        if not np.isfinite(points).all():
+            bad = parameters[~np.isfinite(points).all(axis=1)][0]
+            raise InputError(
+                f"the target has no value at ({bad[0]:g}, {bad[1]:g})",
+                hint="Choose a smaller domain, or an expression that is defined all over it.",
+            )
+        return parameters, points
+
+    def closest(self, points: FloatArray) -> ClosestPoints:
+        """See :meth:`Target.closest`: the nearest sample, then Newton steps kept inside the rectangle."""
+        parameters, samples = self._samples
+        q = parameters[cKDTree(samples).query(points)[1]]
+        value, gradient, hessian = self._evaluate(q, points)
+        damping = np.full(len(q), 1e-12)
+        for _ in range(60):
+            at_low, at_high = q <= self.low, q >= self.high
+            held = (at_low & (gradient > 0)) | (at_high & (gradient < 0))
+            free_gradient = np.where(held, 0.0, gradient)
+            size = np.abs(hessian[:, [0, 1], [0, 1]]).max(axis=1)
+            matrix = np.where(held[:, :, None] | held[:, None, :], 0.0, hessian)
+            # Shifted until positive definite: away from the surface the squared distance is not convex.
+            lowest = np.linalg.eigvalsh(matrix)[:, 0]
+            shift = np.maximum(damping * size, 1e-3 * size - lowest) * (lowest < 1e-3 * size) + damping * size
+            matrix = matrix + (shift[:, None] * np.ones(2))[:, :, None] * np.eye(2)
+            matrix = matrix + np.where(held, size[:, None], 0.0)[:, :, None] * np.eye(2)
+            step = -np.linalg.solve(matrix, free_gradient[..., None])[..., 0]
+            trial = np.clip(q + step, self.low, self.high)
+            new_value, new_gradient, new_hessian = self._evaluate(trial, points)
+            better = new_value <= value
+            moved = np.abs(trial - q).max(initial=0.0)
+            damping = np.where(better, np.maximum(damping / 10, 1e-12), np.maximum(damping * 100, 1e-6))
+            q = np.where(better[:, None], trial, q)
+            value = np.where(better, new_value, value)
+            gradient = np.where(better[:, None], new_gradient, gradient)
+            hessian = np.where(better[:, None, None], new_hessian, hessian)
+            if moved <= 1e-15 * np.abs(self.high - self.low).max():
+                break
+        return ClosestPoints(self.point(q), self._weights(q))
+
+    def _evaluate(self, q: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        value, gradient, hessian = (np.asarray(k) for k in self._model(q.T, points.T))
+        return value.ravel(), gradient.T, hessian.T.reshape(-1, 2, 2)
+
+    def _weights(self, q: FloatArray) -> FloatArray:
+        slopes = np.asarray(self._slopes(q.T)).T.reshape(-1, 2, 3)
+        on_border = (q <= self.low) | (q >= self.high)
+        normal = np.cross(slopes[:, 0], slopes[:, 1])
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        # On a border of constant a the tangent along it is the slope in b, and the other way round.
+        along = np.where(on_border[:, :1], slopes[:, 1], slopes[:, 0])
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        inside = normal[:, :, None] * normal[:, None, :]
+        border = np.eye(3) - along[:, :, None] * along[:, None, :]
+        count = on_border.sum(axis=1)[:, None, None]
+        return np.where(count == 0, inside, np.where(count == 1, border, np.eye(3)))
+
+    def triangles(self) -> tuple[FloatArray, IntArray]:
+        """See :meth:`Target.triangles`: two triangles per sample cell."""
+        n = SAMPLES + 1
+        first = (np.arange(SAMPLES)[:, None] * n + np.arange(SAMPLES)).ravel()
+        cells = np.stack([first, first + n, first + n + 1, first, first + n + 1, first + 1], axis=1)
+        return self._samples[1], cells.reshape(-1, 3)
+
+
+class HeightTarget(ParametricTarget):
+    """z = h(x, y) over a rectangle of the plan.
+
+    Args:
+        expression: height, see :func:`inverse.target.expression.parse`.
+        domain: ((x0, x1), (y0, y1)).
+    """
+
+    def __init__(self, expression: str, domain: Sequence[Sequence[float]]) -> None:
+        self.height = parse(expression)
+        q = casadi.SX.sym("q", 2)
+        surface = casadi.Function("surface", [q], [casadi.vertcat(q, self.height(q[0], q[1]))])
+        super().__init__(surface, domain)
+
+    @property
+    def frame(self) -> Frame:
+        """The domain, at the mean height."""
+        middle = (self.low + self.high) / 2
+        points, areas = self.samples()
+        height = float(points[:, 2] @ areas / areas.sum())
+        size = self.high - self.low
+        return Frame(np.r_[middle, height], np.eye(3), (float(size[0]), float(size[1])))
+
+    def residual(self, point: casadi.SX) -> casadi.SX:
+        """Height difference along the normal, and how far the point lies outside the domain.
+
+        Outside, the height goes on linearly from the border: finite wherever an iterate may stray, although
+        the expression itself may have no value there.
+        """
+        plan = point[:2]
+        inside = casadi.fmin(casadi.fmax(plan, self.low), self.high)
+        xy = casadi.SX.sym("xy", 2)
+        height = self.height(xy[0], xy[1])
+        slope = casadi.Function("slope", [xy], [height, casadi.gradient(height, xy)])
+        level, steepness = slope(inside)
+        outside = plan - inside
+        drop = point[2] - level - casadi.dot(steepness, outside)
+        return casadi.vertcat(drop / casadi.sqrt(1 + casadi.sumsqr(steepness)), outside)
+
+
+class BetweenTarget(ParametricTarget):
+    """A vault between two curves: S(s, w) = (1 - w) A(s) + w B(s) + rise profile(w) upward.
+
+    Args:
+        curves: two polylines (n, 3), run through in the same direction; s is the fraction of their lengths.
+        rise: height of the crown over the chord.
+        profile: ``arc`` of a circle, ``parabola`` or ``catenary`` of the mean span.
+    """
+
+    def __init__(self, curves: Sequence[FloatArray], rise: float, profile: Profile = "arc") -> None:
+        first, second = (np.asarray(c, np.float64) for c in curves)
+        self._ends = np.stack([first[[0, -1]], second[[0, -1]]])
+        a, b = (_length_fraction(c) for c in (first, second))
+        span = float(np.mean([np.linalg.norm(second[k] - first[k]) for k in (0, -1)]))
+        if span <= 0 or not 0 < rise:
+            raise InputError(f"the rise is {rise:g} over a span of {span:g}: both must be positive")
+        if profile == "arc" and rise > span / 2:
+            raise InputError(f"the rise is {rise:g}: an arc over a span of {span:g} rises at most half of it")
+        q = casadi.SX.sym("q", 2)
+        low = casadi.vertcat(*[casadi.pw_lin(q[0], a, first[:, k]) for k in range(3)])
+        high = casadi.vertcat(*[casadi.pw_lin(q[0], b, second[:, k]) for k in range(3)])
+        lift = casadi.vertcat(0, 0, rise * _profile(q[1], rise, span, profile))
+        # The two parameters run across and along, so that u crosses the span.
+        surface = casadi.Function("surface", [q], [(1 - q[1]) * low + q[1] * high + lift])
+        swapped = casadi.Function("surface", [q], [surface(casadi.vertcat(q[1], q[0]))])
+        super().__init__(swapped, ((0.0, 1.0), (0.0, 1.0)))
+
+    @property
+    def frame(self) -> Frame:
+        """x across the span, y along the curves, z up."""
+        (a0, a1), (b0, b1) = self._ends
+        along = (a1 - a0) / np.linalg.norm(a1 - a0) + (b1 - b0) / np.linalg.norm(b1 - b0)
+        across = (b0 + b1 - a0 - a1) / 2
+        z = np.cross(across, along)
+        if z[2] < 0:
+            along, z = -along, -z
+        z /= np.linalg.norm(z)
+        x = across - (across @ z) * z
+        span = float(np.linalg.norm(x))
+        x = x / span
+        y = np.cross(z, x)
+        length = float(np.mean([abs((a1 - a0) @ y), abs((b1 - b0) @ y)]))
+        points, areas = self.samples()
+        return Frame(points.T @ areas / areas.sum(), np.stack([x, y, z]), (span, length))
+
+
+def _length_fraction(polyline: FloatArray) -> FloatArray:
+    lengths = np.linalg.norm(np.diff(polyline, axis=0), axis=1)
+    if len(polyline) < 2 or (lengths <= 0).any():
+        raise InputError("a polyline needs two or more points, all different from their neighbours")
+    return np.asarray(np.r_[0.0, np.cumsum(lengths)] / lengths.sum())
+
+
+def _profile(w: casadi.SX, rise: float, span: float, profile: Profile) -> casadi.SX:
+    """0 at w = 0 and 1, 1 in the middle."""
+    across = 2 * w - 1
+    if profile == "parabola":
+        return 1 - across**2
+    half = span / 2
+    if profile == "arc":
+        radius = (half**2 + rise**2) / (2 * rise)
+        return (casadi.sqrt(radius**2 - (half * across) ** 2) - (radius - rise)) / rise
+    # An inverted catenary of that rise: (half / k) (cosh k - 1) = rise.
+    k = float(brentq(lambda k: half / k * (np.cosh(k) - 1) - rise, 1e-9, 50.0))
+    return (np.cosh(k) - casadi.cosh(k * across)) / (np.cosh(k) - 1)
