@@ -7,6 +7,7 @@ from functools import cached_property
 
 import casadi
 import numpy as np
+import scipy.sparse as sparse
 
 from inverse.kernels import Elements, scatter
 from inverse.model import Constraint, Objective
@@ -110,6 +111,44 @@ class Problem:
                 "nlp_hess_l", [x, p, lam_f, lam_g], [hessian], ["x", "p", "lam:f", "lam:g"], ["triu:hess:gamma:x:x"]
             ),
         }
+
+    def rows_and_jacobian(self, x: FloatArray, parameters: FloatArray) -> tuple[FloatArray, sparse.csr_matrix]:
+        """Constraint rows (R,) and their Jacobian (R, n)."""
+        rows, jacobian = self.functions["jac_g"](x, parameters)
+        return np.asarray(rows).ravel(), jacobian.sparse().tocsr()
+
+    def objective_and_gradient(self, x: FloatArray, parameters: FloatArray) -> tuple[float, FloatArray]:
+        """Weighted objective and its gradient (n,)."""
+        value, gradient = self.functions["grad_f"](x, parameters)
+        return float(value), np.asarray(gradient).ravel()
+
+    def objective_terms(self, x: FloatArray, parameters: FloatArray) -> dict[str, float]:
+        """Weighted value of every objective term."""
+        return dict(zip((o.name for o in self.objectives), self._terms(x, parameters), strict=True))
+
+    def violations(self, x: FloatArray, parameters: FloatArray) -> dict[str, tuple[float, str]]:
+        """Largest violation of every constraint, dimensionless, and the element where it is."""
+        rows, _ = self.rows_and_jacobian(x, parameters)
+        excess = np.maximum(np.maximum(self.lower - rows, rows - self.upper), 0.0)
+        found, start = {}, 0
+        for constraint in self.constraints:
+            count, k = constraint.lower.shape
+            own = excess[start : start + count * k].reshape(count, k).max(axis=1)
+            worst = int(np.argmax(own)) if count else 0
+            found[constraint.name] = (float(own[worst]), constraint.labels[worst]) if count else (0.0, "")
+            start += count * k
+        return found
+
+    def _terms(self, x: FloatArray, parameters: FloatArray) -> list[float]:
+        start = len(self.objectives)
+        values = []
+        for weight, objective in zip(parameters[:start], self.objectives, strict=True):
+            e = objective.elements
+            own = parameters[start : start + e.parameters.size].reshape(e.count, -1)
+            squares = e.kernel.square.map(e.count)(x[e.variables].T, own.T)
+            values.append(float(weight * np.sum(np.asarray(squares)) / (e.count * e.kernel.n_residuals)))
+            start += e.parameters.size
+        return values
 
 
 def _extend(rows: list, columns: list, places: tuple) -> None:  # type: ignore[type-arg]

@@ -62,10 +62,19 @@ def read_frame(path: Path) -> FoldFrame:
         raise InputError("the JSON is nested too deeply", where=str(path)) from None
     if not isinstance(document, dict):
         raise InputError("a FOLD file is a JSON object", where=str(path))
-    return _frame(document, str(path))
+    return frame_of(document, str(path))
 
 
-def _frame(document: dict[str, Any], where: str) -> FoldFrame:
+def frame_of(document: dict[str, Any], where: str = "design") -> FoldFrame:
+    """The frame of a FOLD document, checked in form.
+
+    Args:
+        document: a JSON object.
+        where: name of the document in messages.
+
+    Raises:
+        InputError: a key missing or of the wrong shape.
+    """
     coords = _array(document, "vertices_coords", np.float64, 3, where)
     edges = _array(document, "edges_vertices", np.int64, 2, where)
     n_vertices, n_edges = len(coords), len(edges)

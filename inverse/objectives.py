@@ -33,6 +33,11 @@ class Goal:
     target: Target
     fit_points: FitPoints
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether the target enters by its own expression; else closest points must be refreshed."""
+        return self.target.residual(casadi.SX.zeros(3)) is not None
+
 
 @dataclass(frozen=True)
 class Term:
@@ -58,6 +63,29 @@ def objective(name: str, default_weight: float = 0.0) -> Callable[[Callable[[Goa
         return build
 
     return register
+
+
+def register(name: str, function: Callable[[casadi.SX], casadi.SX], default_weight: float = 0.0) -> None:
+    """Register an objective of one's own: the mean square of residuals of all vertices.
+
+    Args:
+        name: key under ``objectives`` in a specification.
+        function: takes the vertices as CasADi expressions (V, 3), in the specification's unit, and returns
+            residuals (k,) as CasADi expressions.
+        default_weight: weight where the specification gives none.
+    """
+
+    @objective(name, default_weight)
+    def build(goal: Goal) -> list[Elements]:
+        model = goal.model
+        n = model.pattern.n_vertices
+
+        def residual(q: casadi.SX, _: casadi.SX) -> casadi.SX:
+            points = casadi.reshape(q, 3, n).T * model.scale + casadi.repmat(casadi.DM(model.centre).T, n, 1)
+            return casadi.vec(function(points))
+
+        kernel = Kernel(name, residual, 3 * n)
+        return [Elements(name, kernel, np.arange(3 * n)[None], np.empty((1, 0)))]
 
 
 def fit_vertices(model: DesignModel, fit_points: FitPoints) -> list[IntArray]:
@@ -110,7 +138,7 @@ def fit(goal: Goal) -> list[Elements]:
             return casadi.reshape(p[3:], 3, 3) @ (mean(q) - p[:3])
 
         variables = model.variables_of(group)
-        if goal.target.residual(casadi.SX.zeros(3)) is not None:
+        if goal.is_exact:
             blocks.append(Elements(name, Kernel(name, exact, 3 * k, 0), variables, np.empty((len(group), 0))))
         else:
             feet = foot_parameters(goal, model.seed.vertices_coords, [group])
@@ -123,6 +151,15 @@ def foot_parameters(goal: Goal, points: FloatArray, groups: list[IntArray]) -> F
     closest = goal.target.closest(mean_points(points, groups))
     weights = closest.weights.transpose(0, 2, 1).reshape(-1, 9)  # column-major, as CasADi reshapes
     return np.column_stack([goal.model.to_dimensionless(closest.feet), weights])
+
+
+def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
+    """New closest points for vertices ``points`` (V, 3), by name of the fit's elements; empty for exact targets."""
+    if goal.is_exact:
+        return {}
+    groups = fit_vertices(goal.model, goal.fit_points)
+    names = ["fit", *(f"fit_{group.shape[1]}" for group in groups[1:])]
+    return {name: foot_parameters(goal, points, [group]) for name, group in zip(names, groups, strict=True)}
 
 
 @objective("coverage", default_weight=1e-3)
@@ -148,7 +185,7 @@ def coverage(goal: Goal) -> list[Elements]:
     return blocks
 
 
-@objective("fairness", default_weight=1e-4)
+@objective("fairness", default_weight=1e-5)
 def fairness(goal: Goal) -> list[Elements]:
     """Second differences, at every second vertex along a line, of the displacement from the seed.
 

@@ -50,14 +50,33 @@ def place_grid(
     return seed.moved_to(placed(seed, frame, turn))
 
 
+def place_file(seed: Design, frame: Frame, turn: int = 0) -> Design:
+    """A pattern of its own, scaled as a whole so that it covers the target's plan as well as it can."""
+    own = _own_axes(seed)
+    size = np.ptp(seed.vertices_coords @ own.T, axis=0)[:2]
+    wanted = np.array(frame.extent if turn == 0 else frame.extent[::-1])
+    scaled = seed.moved_to(seed.vertices_coords * float(np.sqrt(np.prod(wanted / size))))
+    return scaled.moved_to(placed(scaled, frame, turn))
+
+
 def placed(seed: Design, frame: Frame, turn: int = 0) -> FloatArray:
     """Vertices (V, 3) of a seed turned into the plan of a target, centre on centre."""
-    points = seed.vertices_coords
-    u, v = drifts(seed.pattern, points)
-    x = u / np.linalg.norm(u)
-    z = np.cross(u, v)
-    z /= np.linalg.norm(z)
-    own = np.stack([x, np.cross(z, x), z])
     axes = frame.axes if turn == 0 else np.stack([frame.axes[1], -frame.axes[0], frame.axes[2]])
-    middle = (points.max(axis=0) + points.min(axis=0)) / 2 if seed.pattern.grid is None else points.mean(axis=0)
-    return np.asarray((points - middle) @ own.T @ axes + frame.origin)
+    points = seed.vertices_coords
+    return np.asarray((points - points.mean(axis=0)) @ _own_axes(seed).T @ axes + frame.origin)
+
+
+def _own_axes(seed: Design) -> FloatArray:
+    """Rows x, y (in the sheet) and z: along the drifts of a grid, else the principal axes of the vertices."""
+    points = seed.vertices_coords
+    if seed.pattern.grid is not None and seed.pattern.n_holes == 0:
+        u, v = drifts(seed.pattern, points)
+        z = np.cross(u, v)
+    else:
+        spread = np.linalg.eigh(np.cov(points.T))[1]
+        u, z = spread[:, 2], spread[:, 0]
+        # The side from which the facets turn counter-clockwise is the top.
+        a, b, c = points[list(seed.pattern.faces_vertices[0][:3])]
+        z = z if np.cross(b - a, c - a) @ z > 0 else -z
+    x, z = u / np.linalg.norm(u), z / np.linalg.norm(z)
+    return np.stack([x, np.cross(z, x), z])

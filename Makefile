@@ -1,0 +1,58 @@
+# Everything runs in .venv, made from requirements.lock. GNU make 3.81 (macOS) is enough.
+PYTHON ?= python3
+BIN := .venv/bin
+STAMP := .venv/installed
+UV_VERSION := 0.13.9
+
+# One BLAS thread: at these matrix sizes two are about four times slower.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+
+.PHONY: help demo setup test test-slow lint format bench lock clean
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
+
+demo: $(STAMP) ## solve targets/vault.yaml and say where the pictures are
+	$(BIN)/inverse solve targets/vault.yaml
+
+setup: $(STAMP) ## make .venv with the locked dependencies and this checkout
+
+test: lint ## lint, types and the tests, without the slow ones
+	$(BIN)/python -m pytest -m "not slow"
+
+test-slow: $(STAMP) ## only the slow tests
+	$(BIN)/python -m pytest -m slow
+
+lint: $(STAMP) ## ruff and mypy
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+format: $(STAMP) ## let ruff rewrite what it can
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+bench: $(STAMP) ## time and quality of the fits
+	$(BIN)/python -m benchmarks.fit
+
+lock: ## write requirements.lock anew from pyproject.toml
+	$(PYTHON) -m venv .venv-lock
+	.venv-lock/bin/pip install --quiet uv==$(UV_VERSION)
+	.venv-lock/bin/uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 \
+	  --fork-strategy fewest --generate-hashes --no-annotate --no-header \
+	  --no-emit-index-url --quiet --output-file requirements.lock
+
+clean: ## remove the environment, results and caches
+	rm -rf .venv .venv-lock out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis tests/node/node_modules
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The build backend is locked too, so nothing is fetched that has no hash.
+$(STAMP): requirements.lock
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' || { \
+	  echo "inverse needs Python 3.11 to 3.14 and $(PYTHON) is not one: name one that is, as in make demo PYTHON=python3.12." >&2; \
+	  exit 1; }
+	$(PYTHON) -m venv --clear .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@touch $@

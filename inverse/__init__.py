@@ -1,0 +1,54 @@
+"""Inverse design of rigid-foldable, bidirectionally flat-foldable planar quad meshes (BDFFPQ, Tachi 2010).
+
+Names are loaded when they are first used, so that ``import inverse`` is fast.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from inverse import seeds as seeds
+    from inverse.certify import Certificate as Certificate
+    from inverse.certify import check as check
+    from inverse.errors import InputError as InputError
+    from inverse.fold_file import read as read
+    from inverse.fold_file import write as write
+    from inverse.folding import fold as fold
+    from inverse.objectives import register as register_objective
+    from inverse.pattern import Design as Design
+    from inverse.pattern import Pattern as Pattern
+    from inverse.solve import Result as Result
+    from inverse.solve import solve as solve
+    from inverse.spec import from_mapping as from_mapping
+    from inverse.spec import load as load
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Certificate": "certify",
+    "Design": "pattern",
+    "InputError": "errors",
+    "Pattern": "pattern",
+    "Result": "solve",
+    "check": "certify",
+    "fold": "folding",
+    "from_mapping": "spec",
+    "load": "spec",
+    "read": "fold_file",
+    "solve": "solve",
+    "write": "fold_file",
+}
+
+__all__ = [*sorted(_HOMES), "__version__", "register_objective", "seeds"]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "seeds":
+        return import_module("inverse.seeds")
+    if name == "register_objective":
+        return import_module("inverse.objectives").register
+    if name in _HOMES:
+        return getattr(import_module(f"inverse.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'inverse' has no attribute {name!r}")

@@ -1,0 +1,137 @@
+"""Anchors of a specification as constraints: which vertices, where, and how many freedoms they take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from inverse import constraints
+from inverse.errors import InputError
+from inverse.model import Constraint, DesignModel
+from inverse.pattern import FloatArray, IntArray, Pattern
+from inverse.spec import Anchor, Loaded
+
+END = 1e-6  # a vertex closer than this fraction of a segment to its end sits on the end
+
+
+@dataclass(frozen=True, eq=False)
+class PolylineAnchor:
+    """Vertices that slide along a polyline, each for the time being on one of its segments.
+
+    Attributes:
+        name: unique name of the constraint.
+        vertices: (N,) int.
+        polyline: (n, 3) points.
+        segments: (N,) int, segment that each vertex is held on.
+    """
+
+    name: str
+    vertices: IntArray
+    polyline: FloatArray
+    segments: IntArray
+
+    def constraint(self, model: DesignModel) -> Constraint:
+        """The vertices held on their segments."""
+        ends = self.polyline[self.segments], self.polyline[self.segments + 1]
+        return constraints.on_segment(model, self.name, self.vertices, *ends)
+
+    def moved_on(self, points: FloatArray) -> PolylineAnchor:
+        """Vertices that ``points`` (V, 3) shows at an end of their segment go on to the next one."""
+        a, b = self.polyline[self.segments], self.polyline[self.segments + 1]
+        along = np.einsum("ij,ij->i", points[self.vertices] - a, b - a) / np.einsum("ij,ij->i", b - a, b - a)
+        step = np.where(along > 1 - END, 1, np.where(along < END, -1, 0))
+        segments = np.clip(self.segments + step, 0, len(self.polyline) - 2)
+        return PolylineAnchor(self.name, self.vertices, self.polyline, segments)
+
+
+def build(loaded: Loaded, model: DesignModel) -> tuple[list[Constraint], list[PolylineAnchor]]:
+    """Anchors as constraints; those on polylines apart, since their vertices may change segments.
+
+    Raises:
+        InputError: an anchor names no boundary or no vertex, several vertices share a point, a vertex is held
+            more than three times, or the anchors take more freedoms than the pattern has.
+    """
+    fixed, sliding = [], []
+    held: dict[int, int] = {}
+    total = 0
+    for k, anchor in enumerate(loaded.specification.constraints.anchors):
+        vertices = _vertices(loaded, k, anchor, model.pattern)
+        name = f"anchor_{k}"
+        rows = _rows(anchor)
+        if anchor.to.point is not None and len(vertices) > 1:
+            raise loaded.source.error(
+                _key(k, "to"), f"{len(vertices)} vertices are anchored to one point, where they would coincide",
+                "Anchor a single vertex to a point, or a side to a polyline.",
+            )  # fmt: skip
+        for vertex in vertices.tolist():
+            held[vertex] = held.get(vertex, 0) + rows
+            if held[vertex] > 3:
+                raise loaded.source.error(
+                    _key(k), f"vertex {vertex} is held by {held[vertex]} equations of this and earlier anchors, "
+                    "but a vertex has 3 coordinates", "Leave the vertex out of one of the anchors.",
+                )  # fmt: skip
+        total += rows * len(vertices)
+        if total > model.pattern.degrees_of_freedom:
+            raise loaded.source.error(
+                _key(k), f"the anchors up to this one take {total} freedoms, but the pattern has "
+                f"{model.pattern.degrees_of_freedom}; before it {model.pattern.degrees_of_freedom - total + rows * len(vertices)} were left",
+                "Anchor fewer vertices, for example with `every: 2`.",
+            )  # fmt: skip
+        if anchor.to.polyline is not None:
+            sliding.append(_on_polyline(name, vertices, np.array(anchor.to.polyline), model))
+        else:
+            fixed.append(_fixed(name, vertices, anchor, model))
+    return fixed, sliding
+
+
+def _key(k: int, *more: str) -> tuple[str | int, ...]:
+    return ("constraints", "anchors", k, *more)
+
+
+def _vertices(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> IntArray:
+    if anchor.vertices is not None:
+        vertices = np.array(anchor.vertices, np.int64)
+        if vertices.max() >= pattern.n_vertices:
+            raise loaded.source.error(
+                _key(k, "vertices"), f"vertex {vertices.max()} is not there: the pattern has vertices 0 to {pattern.n_vertices - 1}"
+            )  # fmt: skip
+        return vertices[:: anchor.every]
+    if pattern.grid is None or anchor.side == "ends":
+        raise loaded.source.error(
+            _key(k, "side"), f"{anchor.side!r} names no boundary of this pattern",
+            "A grid has the sides u0, u1, v0 and v1; any pattern takes `vertices: [...]` instead.",
+        )  # fmt: skip
+    m, n = pattern.grid
+    table = np.arange(pattern.n_vertices).reshape(m + 1, n + 1)
+    side = {"u0": table[0], "u1": table[-1], "v0": table[:, 0], "v1": table[:, -1]}[str(anchor.side)]
+    return np.asarray(side[:: anchor.every])
+
+
+def _rows(anchor: Anchor) -> int:
+    """Equations per vertex."""
+    return 3 if anchor.to.point is not None else 1 if anchor.to.plane is not None else 2
+
+
+def _fixed(name: str, vertices: IntArray, anchor: Anchor, model: DesignModel) -> Constraint:
+    to = anchor.to
+    if to.point is not None:
+        return constraints.on_point(model, name, vertices, np.array(to.point))
+    if to.plane is not None:
+        normal = np.array(to.plane.normal)
+        return constraints.on_plane(model, name, vertices, np.array(to.plane.point), normal / np.linalg.norm(normal))
+    if to.circle is None:
+        raise InputError("an anchor needs one of point, polyline, plane, circle")
+    return constraints.on_circle(
+        model, name, vertices, np.array(to.circle.center), np.array(to.circle.normal), to.circle.radius
+    )
+
+
+def _on_polyline(name: str, vertices: IntArray, polyline: FloatArray, model: DesignModel) -> PolylineAnchor:
+    """Each vertex starts on the segment that is nearest to its place in the seed."""
+    points = model.seed.vertices_coords[vertices]
+    a, b = polyline[:-1], polyline[1:]
+    along = np.einsum("nsk,sk->ns", points[:, None] - a, b - a) / np.einsum("sk,sk->s", b - a, b - a)
+    feet = a + np.clip(along, 0, 1)[..., None] * (b - a)
+    segments = np.argmin(np.linalg.norm(points[:, None] - feet, axis=2), axis=1)
+    return PolylineAnchor(name, vertices, polyline, segments)

@@ -1,0 +1,82 @@
+"""A second opinion on a design file, from the file alone.
+
+Nothing a file says about itself is believed, and nothing is shared with the code that made it but the reader
+of the file format and the exact predicates for crossing triangles: topology, signs, angles and the motion are
+derived anew, by formulas other than those of :mod:`inverse.folding`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from inverse.certify import claims, collisions, loops, measures
+from inverse.certify.certificate import LIMITS, NOT_MEASURED, Certificate, Check, Loop, judge
+from inverse.certify.measures import CFL, FL
+from inverse.certify.motion import Motion
+from inverse.certify.structure import examine, powers_of_two_off
+from inverse.fold_format import FoldFrame, read_frame
+
+__all__ = ["Certificate", "Check", "Loop", "check", "check_frame"]
+
+
+def check(path: Path) -> Certificate:
+    """Certify a design file.
+
+    Args:
+        path: a FOLD file with the keys of a design.
+
+    Returns:
+        The verdict; a design that is wrong in whatever way gets a certificate that says so.
+
+    Raises:
+        InputError: the file cannot be read as a design, see :func:`inverse.fold_format.read_frame`.
+    """
+    return check_frame(read_frame(path))
+
+
+def check_frame(frame: FoldFrame) -> Certificate:
+    """Certify what a design file says.
+
+    Args:
+        frame: keys of the right form, otherwise unverified.
+
+    Returns:
+        The verdict, checks in the order of the contract.
+    """
+    structure = examine(frame)
+    faults = structure.faults + claims.faults(structure, frame)
+    found = dict.fromkeys(LIMITS, NOT_MEASURED)
+    found["structure"] = float(len(faults)), faults[0] if faults else "no faults"
+    free_range: tuple[float, float] | None = None
+    strips: tuple[Loop, ...] = ()
+
+    mesh, points = structure.mesh, structure.points
+    if mesh is not None and structure.halves is not None:
+        sine, cosine = structure.halves
+        found["planarity"] = measures.planarity(mesh, points)
+        found["fold_angle"] = measures.fold_angle(mesh, sine, cosine)
+        exact, _ = powers_of_two_off(frame.vertices_coords)
+        found["crossing_design"] = collisions.design_crossings(exact, mesh.facets)
+        developed, folded = structure.signs
+        if developed is not None:
+            found["developability"] = measures.flatness(mesh, points, structure.types, developed, FL)
+        if folded is not None:
+            found["flat_foldability"] = measures.flatness(mesh, points, structure.types, folded, CFL)
+        if structure.typed:
+            motion = Motion(mesh, points, structure.types, sine, cosine)
+            found["motion_gap"] = motion.gap()
+            if mesh.n_holes is not None:
+                found["loop_closure"], strips = loops.closure(motion)
+            if all(judge(name, found[name]).passed for name in ("motion_gap", "crossing_design")):
+                free_range = collisions.free_range(motion)
+
+    checks = {name: judge(name, measured) for name, measured in found.items()}
+    return Certificate(
+        certified=all(item.passed for item in checks.values()),
+        checks=checks,
+        free_range=free_range,
+        topology="unknown" if mesh is None else mesh.topology,
+        n_holes=None if mesh is None else mesh.n_holes,
+        faults=tuple(faults),
+        loops=strips,
+    )

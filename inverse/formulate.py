@@ -1,0 +1,139 @@
+"""From a specification to the parts of an optimization: target, placed seed, terms. Degrees end here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from inverse import anchors, constraints, fold_file, objectives, placement, seeds
+from inverse.anchors import PolylineAnchor
+from inverse.errors import InputError
+from inverse.model import Constraint, DesignModel, Objective
+from inverse.objectives import Goal
+from inverse.pattern import Design
+from inverse.spec import BetweenTarget as BetweenKeys
+from inverse.spec import FilePattern, GridPattern, Loaded
+from inverse.spec import HeightTarget as HeightKeys
+from inverse.target import Target
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class Formulation:
+    """What is solved.
+
+    Attributes:
+        goal: model, target and fitted points.
+        objectives: weighted terms.
+        fixed: constraints that stay as they are.
+        sliding: anchors on polylines.
+    """
+
+    goal: Goal
+    objectives: list[Objective]
+    fixed: list[Constraint]
+    sliding: list[PolylineAnchor]
+
+
+def formulate(loaded: Loaded) -> Formulation:
+    """Read what the specification names and build all terms.
+
+    Raises:
+        InputError: with the place in the specification.
+    """
+    specification = loaded.specification
+    target = build_target(loaded)
+    seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target))
+    model = DesignModel(seed)
+    goal = Goal(model, target, specification.fit.points)
+    for name in specification.objectives:
+        if name not in objectives.OBJECTIVES:
+            known = ", ".join(sorted(objectives.OBJECTIVES))
+            raise loaded.source.error(
+                ("objectives", name), f"{name!r} is no objective: registered are {known}", at_key=True
+            )
+    terms = _within(loaded, ("fit",), lambda: objectives.build(goal, dict(specification.objectives)))
+    limits = specification.constraints
+    bounds = {
+        "edge_length": limits.edge_length,
+        "sector_angle": _radians(limits.sector_angle),
+        "fold_angle": _radians(limits.fold_angle),
+    }
+    fixed = constraints.hard_constraints(model, bounds)
+    anchored, sliding = anchors.build(loaded, model)
+    return Formulation(goal, terms, [*fixed, *anchored, *_keep_outs(loaded, model)], sliding)
+
+
+def build_target(loaded: Loaded) -> Target:
+    """The target surface of a specification."""
+    keys = loaded.specification.target
+    if isinstance(keys, HeightKeys):
+        from inverse.target.parametric import HeightTarget
+
+        def make() -> Target:
+            target = HeightTarget(keys.height, keys.domain)
+            target.triangles()  # refuses a height that has no value somewhere on its domain
+            return target
+
+        return _within(loaded, ("target", "height"), make)
+    if isinstance(keys, BetweenKeys):
+        from inverse.target.parametric import BetweenTarget
+
+        curves = [np.array(curve) for curve in keys.between]
+        return _within(loaded, ("target", "rise"), lambda: BetweenTarget(curves, keys.rise, keys.profile))
+    from inverse.target.mesh import read_mesh
+
+    return _within(loaded, ("target", "mesh"), lambda: read_mesh(loaded.folder / keys.mesh))
+
+
+def build_seed(loaded: Loaded, target: Target) -> Design:
+    """The seed, placed over the target's plan."""
+    specification = loaded.specification
+    pattern, unit, name = specification.pattern, specification.units, specification.name
+    if isinstance(pattern, FilePattern):
+        seed = fold_file.read(loaded.folder / pattern.file)
+        seed = Design(seed.pattern, seed.vertices_coords, unit, name)
+        return seed if pattern.keep_position else placement.place_file(seed, target.frame, pattern.turn)
+    assert isinstance(pattern, GridPattern)
+
+    def make(lengths_u: np.ndarray, lengths_v: np.ndarray) -> Design:
+        return seeds.grid(
+            pattern.size, pattern.u_lines, pattern.v_lines,
+            sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state,
+            lengths_u=lengths_u, lengths_v=lengths_v, unit=unit, name=name,
+        )  # fmt: skip
+
+    return placement.place_grid(
+        make, pattern.size, target.frame,
+        lengths=(pattern.lengths_u, pattern.lengths_v), turn=pattern.turn, start_size=pattern.start_size,
+    )  # fmt: skip
+
+
+def _keep_outs(loaded: Loaded, model: DesignModel) -> list[Constraint]:
+    found = []
+    for k, keep_out in enumerate(loaded.specification.constraints.keep_out):
+        if keep_out.plane is not None:
+            point, normal = np.array(keep_out.plane.point), np.array(keep_out.plane.normal)
+        elif keep_out.below is not None:
+            point, normal = np.array([0.0, 0.0, keep_out.below]), np.array([0.0, 0.0, 1.0])
+        else:
+            point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
+        found.append(constraints.keep_out(model, f"keep_out_{k}", point, normal))
+    return found
+
+
+def _radians(degrees: tuple[float, float]) -> tuple[float, float]:
+    return float(np.radians(degrees[0])), float(np.radians(degrees[1]))
+
+
+def _within(loaded: Loaded, key: tuple[str | int, ...], make: Callable[[], T]) -> T:
+    """Give an error from deeper down the place in the specification that caused it."""
+    try:
+        return make()
+    except InputError as error:
+        raise loaded.source.error(key, str(error).split("\n")[0], error.hint) from None
