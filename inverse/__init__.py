@@ -5,7 +5,10 @@ Names are loaded when they are first used, so that ``import inverse`` is fast.
 
 from __future__ import annotations
 
+import os
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
     from inverse.solve import solve as solve
     from inverse.spec import from_mapping as from_mapping
     from inverse.spec import load as load
+
+# Read by BLAS when casadi loads it: at these matrix sizes two threads are several times slower than one.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 __version__ = "0.1.0"
 
@@ -42,6 +48,18 @@ _HOMES = {
 }
 
 __all__ = [*sorted(_HOMES), "__version__", "register_objective", "seeds"]
+
+
+class _Package(ModuleType):
+    """Keeps ``inverse.solve`` the function, although ``inverse/solve.py`` bears the same name."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "solve" and isinstance(value, ModuleType):
+            value = value.solve  # importing a submodule sets it as an attribute of its package
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> Any:

@@ -105,10 +105,12 @@ class Model(BaseModel):
 
     Attributes:
         one_of: keys of which exactly one must be given, if there are any.
+        what: what the part is called in messages about them.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     one_of: ClassVar[tuple[str, ...]] = ()
+    what: ClassVar[str] = ""
 
     @model_validator(mode="before")
     @classmethod
@@ -116,7 +118,7 @@ class Model(BaseModel):
         if not cls.one_of or isinstance(value, BaseModel):
             return value
         others = tuple(name for name in cls.model_fields if name not in cls.one_of)
-        return exactly_one(value, f"this {cls.__name__.lower()}", cls.one_of, others)
+        return exactly_one(value, cls.what, cls.one_of, others)
 
 
 def _numbers(values: tuple[float, ...]) -> str:

@@ -162,7 +162,7 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
     return {name: foot_parameters(goal, points, [group]) for name, group in zip(names, groups, strict=True)}
 
 
-@objective("coverage", default_weight=1e-3)
+@objective("coverage", default_weight=1e-4)
 def coverage(goal: Goal) -> list[Elements]:
     """Facets of the rim stay, in plan, near the place on the target's rim that the placed seed gave them.
 

@@ -84,6 +84,7 @@ class Place(Model):
     """Where anchored vertices are held."""
 
     one_of: ClassVar[tuple[str, ...]] = ("point", "polyline", "plane", "circle")
+    what: ClassVar[str] = "an anchor's place"
 
     point: Point | None = Field(default=None, description="one point [x, y, z] for all")
     polyline: Polyline | None = Field(default=None, description="two or more points [x, y, z]")
@@ -102,6 +103,7 @@ class Anchor(Model):
     """Vertices that are held somewhere: a side's, or those named."""
 
     one_of: ClassVar[tuple[str, ...]] = ("side", "vertices")
+    what: ClassVar[str] = "an anchor"
 
     side: (
         Annotated[
@@ -126,6 +128,7 @@ class KeepOut(Model):
     """A half-space that the design stays out of."""
 
     one_of: ClassVar[tuple[str, ...]] = ("below", "above", "plane")
+    what: ClassVar[str] = "a keep-out"
 
     below: Number | None = Field(default=None, description="a height z: the design stays above it")
     above: Number | None = Field(default=None, description="a height z: the design stays below it")

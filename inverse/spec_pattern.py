@@ -107,7 +107,7 @@ def _check_pattern(value: Any) -> Any:
         raise refusal(f"pattern is {shown(value)}: it must be a mapping of keys to values")
     kind = value.get("kind", "grid")
     if kind not in ("grid", "file"):
-        suggestion = did_you_mean(str(kind), ("grid", "file"))
+        suggestion = did_you_mean(kind, ("grid", "file")) if isinstance(kind, str) else ""
         message = f"{shown(kind)} is no kind of pattern: allowed are grid, file.{suggestion}"
         raise refusal(message, key="kind")
     return value

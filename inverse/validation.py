@@ -46,8 +46,8 @@ def validate(model: type[M], data: Any, source: Source) -> M:
         source: where it was read.
 
     Raises:
-        InputError: for the first fault in the order of the file, or else for the first missing key; it says how
-            many faults there are besides.
+        InputError: for the first fault in the order of the file, or else for the first missing key, with the
+            number of faults besides.
     """
     try:
         return model.model_validate(data)

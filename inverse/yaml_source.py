@@ -84,10 +84,10 @@ class Source:
         path: KeyPath = ()
         for k, word in enumerate(words):
             path = (*path, _step(holder, word, path, fail))
-            self._places.setdefault(path, Place(override=text))
             if k == len(words) - 1:
                 holder[path[-1]] = new
             elif isinstance(holder, dict) and holder.get(word) is None:
+                self._places.setdefault(path, Place(override=text))
                 holder[word] = holder = {}
             else:
                 holder = holder[path[-1]]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from inverse.certify import claims, collisions, loops, measures
+from inverse.certify import claims, collisions, loops, measures, mobility
 from inverse.certify.certificate import LIMITS, NOT_MEASURED, Certificate, Check, Loop, judge
 from inverse.certify.measures import CFL, FL
 from inverse.certify.motion import Motion
@@ -46,9 +46,8 @@ def check_frame(frame: FoldFrame) -> Certificate:
     structure = examine(frame)
     faults = structure.faults + claims.faults(structure, frame)
     found = dict.fromkeys(LIMITS, NOT_MEASURED)
-    found["structure"] = float(len(faults)), faults[0] if faults else "no faults"
     free_range: tuple[float, float] | None = None
-    strips: tuple[Loop, ...] = ()
+    closed: tuple[Loop, ...] = ()
 
     mesh, points = structure.mesh, structure.points
     if mesh is not None and structure.halves is not None:
@@ -66,10 +65,13 @@ def check_frame(frame: FoldFrame) -> Certificate:
             motion = Motion(mesh, points, structure.types, sine, cosine)
             found["motion_gap"] = motion.gap()
             if mesh.n_holes is not None:
-                found["loop_closure"], strips = loops.closure(motion)
+                strips = loops.shortest_strips(mesh)
+                faults += mobility.faults(motion, strips)
+                found["loop_closure"], closed = loops.closure(motion, strips)
             if all(judge(name, found[name]).passed for name in ("motion_gap", "crossing_design")):
                 free_range = collisions.free_range(motion)
 
+    found["structure"] = float(len(faults)), faults[0] if faults else "no faults"
     checks = {name: judge(name, measured) for name, measured in found.items()}
     return Certificate(
         certified=all(item.passed for item in checks.values()),
@@ -78,5 +80,5 @@ def check_frame(frame: FoldFrame) -> Certificate:
         topology="unknown" if mesh is None else mesh.topology,
         n_holes=None if mesh is None else mesh.n_holes,
         faults=tuple(faults),
-        loops=strips,
+        loops=closed,
     )

@@ -1,10 +1,10 @@
 """Closed strips of facets around the holes, and whether they stay closed through the whole motion.
 
 The interior edges that a spanning tree of facets does not cross form a spanning tree of the other kind: its
-nodes are the interior vertices and the boundary loops. Cut along its paths from every hole to the outer boundary,
-the surface is a disk. So a strip that crosses these cuts once, in the first stretch of one hole's path, is that
-hole's generator of the fundamental group: with the vertex conditions, one such strip per hole speaks for all
-closed strips.
+nodes are the interior vertices and the boundary loops. Cut along its paths from every hole to the outer
+boundary, the surface is a disk. So a strip that crosses these cuts once, in the first stretch of one hole's
+path, is that hole's generator of the fundamental group: with the vertex conditions, one such strip per hole
+speaks for all closed strips.
 """
 
 from __future__ import annotations
@@ -13,15 +13,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, dijkstra
 
 from inverse.certify import dual_quaternions as dual
 from inverse.certify.certificate import Loop, Measured
-from inverse.certify.mesh import IntArray, Mesh
+from inverse.certify.mesh import IntArray, Mesh, graph
 from inverse.certify.motion import Motion
 
 N_SPOT_CHECKS = 41
+
+# Facets of a closed strip in order, (k,), and the edges crossed on leaving them, (k,).
+Strip = tuple[IntArray, IntArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +47,10 @@ def cut_open(mesh: Mesh) -> Cuts:
     loops = np.argsort(-np.bincount(label[rim], minlength=n_loops), kind="stable")
     n_vertices = len(label)
     node = np.where(label < 0, np.arange(n_vertices), n_vertices + label)
-    n_nodes = n_vertices + n_loops
     edges = mesh.off_tree
     ends = node[mesh.edges[edges]]
-    graph = coo_array((np.ones(len(edges), np.int8), (ends[:, 0], ends[:, 1])), shape=(n_nodes, n_nodes))
     root = n_vertices + int(loops[0])
-    _, up = breadth_first_order(graph.tocsr(), root, directed=False)
+    _, up = breadth_first_order(graph(n_vertices + n_loops, ends), root, directed=False)
     edge_between = {}
     for edge, (a, b) in zip(edges.tolist(), ends.tolist(), strict=True):
         edge_between[a, b], edge_between[b, a] = (edge, 1), (edge, -1)
@@ -72,12 +72,8 @@ def cut_open(mesh: Mesh) -> Cuts:
     return Cuts(windings, tuple(stretches))
 
 
-def shortest_strips(mesh: Mesh) -> tuple[tuple[IntArray, IntArray], ...]:
-    """For each hole the shortest strip that crosses its stretch of the cuts once and no other cut.
-
-    Returns:
-        Per hole the facets in order, (k,) int, and the edges crossed on leaving them, (k,) int.
-    """
+def shortest_strips(mesh: Mesh) -> tuple[Strip, ...]:
+    """For each hole the shortest strip that crosses its stretch of the cuts once and no other cut."""
     if not mesh.n_holes:
         return ()
     cuts = cut_open(mesh)
@@ -85,13 +81,11 @@ def shortest_strips(mesh: Mesh) -> tuple[tuple[IntArray, IntArray], ...]:
     edge_between = {}
     for edge, (a, b) in zip(uncut.tolist(), mesh.sides[uncut].tolist(), strict=True):
         edge_between[a, b] = edge_between[b, a] = edge
-    a, b = mesh.sides[uncut].T
-    n_facets = len(mesh.facets)
-    graph = coo_array((np.ones(len(uncut)), (a, b)), shape=(n_facets, n_facets)).tocsr()
+    links = graph(len(mesh.facets), mesh.sides[uncut])
     strips = []
     for stretch in cuts.stretches:
         left, right = mesh.sides[list(stretch)].T
-        distance, back = dijkstra(graph, False, left, True, unweighted=True)
+        distance, back = dijkstra(links, False, left, True, unweighted=True)
         best = int(distance[np.arange(len(stretch)), right].argmin())
         facets = [int(right[best])]
         while facets[-1] != left[best]:
@@ -102,7 +96,7 @@ def shortest_strips(mesh: Mesh) -> tuple[tuple[IntArray, IntArray], ...]:
     return tuple(strips)
 
 
-def closure(motion: Motion) -> tuple[Measured, tuple[Loop, ...]]:
+def closure(motion: Motion, strips: tuple[Strip, ...]) -> tuple[Measured, tuple[Loop, ...]]:
     """How far the strip around each hole opens: a bound on how far its motion around moves any vertex.
 
     The product of the k hinge motions of a strip is a polynomial of degree k in the folding amount: if it is
@@ -112,13 +106,14 @@ def closure(motion: Motion) -> tuple[Measured, tuple[Loop, ...]]:
 
     Args:
         motion: in units of the bounding-box diagonal, its points within half a diagonal of the origin.
+        strips: one around each hole.
 
     Returns:
         The worst gap, and every loop with its own.
     """
     loops = []
     worst, where = 0.0, "no holes"
-    for hole, (facets, edges) in enumerate(shortest_strips(motion.mesh)):
+    for hole, (facets, edges) in enumerate(strips):
         nodes = np.pi * np.arange(len(facets) + 1) / (len(facets) + 1)
         between = np.pi * (np.arange(N_SPOT_CHECKS) + 0.5) / N_SPOT_CHECKS
         theta = np.concatenate([nodes, between])

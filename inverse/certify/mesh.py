@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 IntArray = NDArray[np.int64]
@@ -116,15 +116,12 @@ class Mesh:
 
     @cached_property
     def tree(self) -> tuple[tuple[IntArray, IntArray, IntArray], ...]:
-        """A breadth-first tree of facets from facet 0: per level the facets, their parents, the edges between."""
+        """Breadth-first tree of facets from facet 0: per level facets, their parents, the edges between."""
         n_facets = len(self.facets)
         pairs = np.sort(self.sides[self.inner], axis=1)
         keys, first = np.unique(pairs[:, 0] * n_facets + pairs[:, 1], return_index=True)
         pairs = pairs[first]
-        graph = coo_array(
-            (np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(n_facets, n_facets)
-        )
-        order, parent = breadth_first_order(graph.tocsr(), 0, directed=False)
+        order, parent = breadth_first_order(graph(n_facets, pairs), 0, directed=False)
         depth = np.zeros(n_facets, np.int64)
         for facet in order[1:].tolist():
             depth[facet] = depth[parent[facet]] + 1
@@ -148,10 +145,14 @@ class Mesh:
         return f"edge {low}-{high}"
 
 
+def graph(n_nodes: int, pairs: IntArray) -> csr_array:
+    """Links between nodes, ``pairs`` (N, 2), as scipy's graph functions take them."""
+    return coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n_nodes, n_nodes)).tocsr()
+
+
 def components(n_nodes: int, pairs: IntArray) -> tuple[int, IntArray]:
     """Number of connected components of a graph with links ``pairs``, (N, 2), and each node's, (n_nodes,)."""
-    links = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(n_nodes, n_nodes))
-    count, labels = connected_components(links, directed=False)
+    count, labels = connected_components(graph(n_nodes, pairs), directed=False)
     return int(count), labels.astype(np.int64)
 
 
@@ -170,8 +171,8 @@ def build_mesh(facets: Sequence[Sequence[int]], n_vertices: int) -> tuple[Mesh |
         for f, facet in enumerate(facets)
         if len(facet) < 3 or len(set(facet)) < len(facet)
     ]
-    if faults:
-        return None, faults
+    if faults or not facets:
+        return None, faults or ["there are no facets"]
     sides = np.array([len(facet) for facet in facets])
     starts = np.cumsum(sides) - sides
     start, count = np.repeat(starts, sides), np.repeat(sides, sides)

@@ -1,4 +1,4 @@
-"""The one-parameter motion, equations (2)-(5) of the paper, by dual quaternions relative to the design state."""
+"""The motion, equations (2)-(5) of the paper, by dual quaternions relative to the design state."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Motion:
 
     @cached_property
     def axes(self) -> FloatArray:
-        """(6, E): line of every edge, so directed that a valley turns its right facet right-handed about it."""
+        """(6, E): line of every edge, so directed that a valley turns the right facet right-handed."""
         a, b = self.points[self.mesh.edges].transpose(1, 0, 2)
         return dual.screw_axes(a, (a - b) / np.linalg.norm(b - a, axis=1, keepdims=True))
 

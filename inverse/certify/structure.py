@@ -1,4 +1,4 @@
-"""Whether a file holds a bidirectionally flat-foldable network at all: topology, line types, facets, signs."""
+"""Whether a file holds a bidirectionally flat-foldable network at all: topology, types, facets, signs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from inverse.certify.measures import BOUNDARY, CFL, FL, UNKNOWN, fold_halves
-from inverse.certify.mesh import BoolArray, IntArray, Mesh, build_mesh, components
+from inverse.certify.mesh import BoolArray, IntArray, Mesh, build_mesh
 from inverse.fold_format import FoldFrame
 
 FloatArray = NDArray[np.float64]
@@ -31,8 +31,8 @@ class Structure:
         mesh: None if the facets form no surface in one piece.
         types: (E,) edge types, from the file, ``UNKNOWN`` where it gives none that can be.
         file_edge: (E,) the file's number of each edge, -1 if it is missing there.
-        halves: sin and cos of half the fold angles, (E,) each; None if edges or facets have no size, so that
-            planes and angles do not exist.
+        halves: sin and cos of half the fold angles, (E,) each; None if some facet is not simple and convex,
+            so that angles mean nothing.
         typed: every interior edge is FL or CFL.
         signs: sides of the facets, (F,) of +-1, in the developed and in the flat-folded state; None if these
             contradict each other.
@@ -69,7 +69,8 @@ def examine(frame: FoldFrame) -> Structure:
     typed = bool((types[mesh.inner] > BOUNDARY).all())
     ring_faults = _ring_faults(mesh, types)
     faults += ring_faults
-    faults += _mobility_faults(mesh)
+    if not len(mesh.inner):
+        faults.append("there is no interior edge, so that nothing folds")
     signs: tuple[IntArray | None, IntArray | None] = (None, None)
     if typed and not ring_faults:
         (developed, found), (folded, more) = colouring(mesh, types, CFL), colouring(mesh, types, FL)
@@ -78,14 +79,14 @@ def examine(frame: FoldFrame) -> Structure:
     halves = None
     if unit > 0:
         faults += _coincidences(points, used)
-        found, measurable = _shape_faults(mesh, points)
+        found = _shape_faults(mesh, points)
         faults += found
-        halves = fold_halves(mesh, points) if measurable else None
+        halves = None if found else fold_halves(mesh, points)
     return Structure(faults, points, unit, mesh, types, file_edge, halves, typed, signs)
 
 
 def normalized(vertices: FloatArray, used: IntArray) -> tuple[FloatArray, float]:
-    """Vertices (V, 3) moved and scaled so that the bounding box of the used ones has its centre at 0, diagonal 1.
+    """Vertices (V, 3) with the bounding box of the used ones centred at 0 and its diagonal scaled to 1.
 
     Returns:
         The vertices, and the diagonal before; 0, and nothing scaled, if all coincide.
@@ -102,7 +103,7 @@ def normalized(vertices: FloatArray, used: IntArray) -> tuple[FloatArray, float]
 
 
 def powers_of_two_off(vertices: FloatArray) -> tuple[FloatArray, int]:
-    """Vertices (V, 3) divided by the power of two that brings the largest coordinate below 1, and its exponent."""
+    """Vertices (V, 3) over the power of two that brings the largest coordinate below 1, and its exponent."""
     _, exponent = np.frexp(np.abs(vertices).max(initial=0.0))
     return np.asarray(np.ldexp(vertices, -exponent)), int(exponent)
 
@@ -147,7 +148,7 @@ def _match_edges(mesh: Mesh, frame: FoldFrame) -> tuple[IntArray, list[str]]:
         else:
             number[key] = k
     found = np.array([number.get(key, -1) for key in keys], np.int64)
-    faults += [f"{mesh.name(e)} of the facets is not listed" for e in np.flatnonzero(found < 0)]
+    faults += [f"{mesh.name(e)} of the facets is not listed" for e in np.flatnonzero(found < 0).tolist()]
     return found, faults
 
 
@@ -155,12 +156,12 @@ def _types(mesh: Mesh, frame: FoldFrame, file_edge: IntArray) -> tuple[IntArray,
     types = np.array([CODES[frame.edges_type[k]] if k >= 0 else UNKNOWN for k in file_edge], np.int64)
     faults = []
     is_inner = mesh.sides[:, 1] >= 0
-    for e in np.flatnonzero((types != UNKNOWN) & (is_inner == (types == BOUNDARY))):
+    for e in np.flatnonzero((types != UNKNOWN) & (is_inner == (types == BOUNDARY))).tolist():
         place, needed = ("inside", "FL or CFL is") if is_inner[e] else ("on the boundary", "B is")
         faults.append(f"{mesh.name(e)} lies {place} and is typed {WORDS[types[e]]}: {needed} needed")
         types[e] = UNKNOWN if is_inner[e] else BOUNDARY
     assigned = np.array([frame.edges_assignment[k] == "B" if k >= 0 else False for k in file_edge], bool)
-    for e in np.flatnonzero((file_edge >= 0) & (assigned == is_inner)):
+    for e in np.flatnonzero((file_edge >= 0) & (assigned == is_inner)).tolist():
         place, needed = ("inside", "M or V is") if is_inner[e] else ("on the boundary", "B is")
         word = frame.edges_assignment[file_edge[e]]
         faults.append(f"{mesh.name(e)} lies {place} and is assigned {word}: {needed} needed")
@@ -183,27 +184,6 @@ def _ring_faults(mesh: Mesh, types: IntArray) -> list[str]:
     ]
 
 
-def _mobility_faults(mesh: Mesh) -> list[str]:
-    """Fold angles are tied to each other at interior vertices: what is not tied is a motion of its own."""
-    inside = np.zeros(int(mesh.tail.max()) + 1, bool)
-    inside[mesh.interior_vertices] = True
-    a, b = mesh.edges[mesh.inner].T
-    edge = np.arange(len(mesh.inner))
-    n_edges = len(edge)
-    links = np.concatenate([np.stack([edge[inside[v]], n_edges + v[inside[v]]], axis=1) for v in (a, b)])
-    _, labels = components(n_edges + len(inside), links)
-    count = len(np.unique(labels[:n_edges]))
-    if count == 1:
-        return []
-    if count == 0:
-        return ["there is no interior edge, so that nothing folds"]
-    apart = mesh.inner[np.argmax(labels[:n_edges] != labels[0])]
-    return [
-        f"the fold lines fall into {count} groups that no interior vertex joins, so that more than one motion is"
-        f" possible: {mesh.name(apart)} is not tied to {mesh.name(mesh.inner[0])}"
-    ]
-
-
 def _coincidences(points: FloatArray, used: IntArray) -> list[str]:
     distance, neighbour = cKDTree(points[used]).query(points[used], k=2)
     close = np.flatnonzero(distance[:, 1] <= COINCIDENT)
@@ -213,10 +193,11 @@ def _coincidences(points: FloatArray, used: IntArray) -> list[str]:
     return [f"vertices {a} and {b} coincide" for a, b in pairs.tolist()]
 
 
-def _shape_faults(mesh: Mesh, points: FloatArray) -> tuple[list[str], bool]:
-    """Edges and facets without size, facets that are not simple and convex; whether all have size."""
+def _shape_faults(mesh: Mesh, points: FloatArray) -> list[str]:
+    """Edges and facets without size, facets that are not simple and convex."""
     length = np.linalg.norm(points[mesh.head] - points[mesh.tail], axis=1)
-    faults = [f"{mesh.name(e)} has no length" for e in np.flatnonzero(length[mesh.half_edges] <= COINCIDENT)]
+    no_length = np.flatnonzero(length[mesh.half_edges] <= COINCIDENT)
+    faults = [f"{mesh.name(e)} has no length" for e in no_length.tolist()]
     # Twice the area of the facets as vectors, by Newell's sum around their first vertices.
     origin = points[mesh.tail[mesh.starts]][mesh.facet]
     swept = np.cross(points[mesh.tail] - origin, points[mesh.head] - origin)
@@ -226,10 +207,10 @@ def _shape_faults(mesh: Mesh, points: FloatArray) -> tuple[list[str], bool]:
     no_area: BoolArray = size <= 1e-12 * np.maximum(longest, COINCIDENT) ** 2
     faults += [f"facet {f} has no area" for f in np.flatnonzero(no_area)]
     unit = normal / np.where(no_area, 1.0, size)[:, None]
-    into, out = (points[mesh.head] - points[mesh.tail])[mesh.previous], points[mesh.head] - points[mesh.tail]
-    turn = np.arctan2(
-        np.einsum("ij,ij->i", unit[mesh.facet], np.cross(into, out)), np.einsum("ij,ij->i", into, out)
-    )
+    out = points[mesh.head] - points[mesh.tail]
+    into = out[mesh.previous]
+    sine = np.einsum("ij,ij->i", unit[mesh.facet], np.cross(into, out))
+    turn = np.arctan2(sine, np.einsum("ij,ij->i", into, out))
     reflex = np.maximum.reduceat((turn < SMALLEST_TURN) | (turn > np.pi - SMALLEST_TURN), mesh.starts)
     # A convex polygon turns once around; one that turns more often crosses itself.
     wound = np.add.reduceat(turn, mesh.starts) > 3 * np.pi
@@ -237,5 +218,4 @@ def _shape_faults(mesh: Mesh, points: FloatArray) -> tuple[list[str], bool]:
         corners = slice(mesh.starts[f], mesh.starts[f] + len(mesh.facets[f]))
         vertex = mesh.tail[corners][turn[corners].argmin()]
         faults.append(f"facet {f} is not simple and convex, see its corner at vertex {vertex}")
-    # An isolated zero-length edge or a facet whose corners lie on one line has no direction to measure by.
-    return faults, not no_area.any() and bool((length > COINCIDENT).all())
+    return faults

@@ -43,7 +43,13 @@ class Frame:
 
 
 class Target(ABC):
-    """A bounded surface in the specification's length unit."""
+    """A bounded surface in the specification's length unit.
+
+    Attributes:
+        has_kinks: whether its normal jumps, as a mesh's does from facet to facet.
+    """
+
+    has_kinks = False
 
     @abstractmethod
     def closest(self, points: FloatArray) -> ClosestPoints:

@@ -24,6 +24,8 @@ class MeshTarget(Target):
         InputError: no triangles, numbers that are not finite, or no extent.
     """
 
+    has_kinks = True
+
     def __init__(self, vertices: FloatArray, triangles: IntArray) -> None:
         vertices = np.ascontiguousarray(vertices, np.float64)
         triangles = np.ascontiguousarray(triangles, np.int64)

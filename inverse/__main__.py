@@ -1,0 +1,5 @@
+"""``python -m inverse``."""
+
+from inverse.cli import main
+
+main()

@@ -1,0 +1,163 @@
+"""The command line. Human words go to stderr, results to stdout; the exit code says how it went."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, CycloptsError, Parameter
+
+from inverse.errors import InputError
+
+if TYPE_CHECKING:
+    from inverse.ipopt import Progress
+    from inverse.solve import Result
+
+CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 3
+
+app = App(
+    name="inverse",
+    help="Design rigid-foldable structures backwards: from a target surface to a certified pattern.",
+    help_epilogue="Exit codes: 0 certified and converged, 1 ran but not both, 2 wrong input, 3 interrupted.",
+    version_flags=["--version"],
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
+)
+
+
+@app.command
+def solve(
+    specification: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    overrides: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Design a mesh for a target surface and certify it.
+
+    Args:
+        specification: YAML file; `inverse schema` describes it.
+        out: folder for the results, out/<name> by default.
+        overrides: changes a value of the specification, as key.path=value; may be repeated.
+        as_json: print the result as JSON.
+    """
+    from inverse import report, spec
+    from inverse import solve as run
+
+    loaded = spec.load(specification, overrides)
+    folder = report.output_folder(loaded, out)
+    context = report.read_context(loaded)
+    with _Watch() as watch:
+        result = run(loaded, watch)
+    notes = report.write(result, loaded, context, folder)
+    for note in notes:
+        print(note, file=sys.stderr)
+    if as_json:
+        print(json.dumps(_summary(result, folder), indent=1))
+    else:
+        print(result.status if result.certified and result.converged else f"NOT DONE: {result.status}", file=sys.stderr)
+        fit = result.report["fit"]
+        print(f"fit       rms {fit['rms_relative']:.4%}, max {fit['max_relative']:.4%} of the diagonal "
+              f"(placed seed: rms {fit['start_rms_relative']:.2%})")  # fmt: skip
+        print(f"coverage  {result.report['coverage']:.1%} of the target")
+        print(f"solving   {result.report['seconds']['solve']:.1f} s, {result.report['iterations']} iterations")
+        for name in ("design.fold", "certificate.json", "report.json", "design.png", "states.png", "crease_pattern.svg"):
+            if (folder / name).exists():
+                print(f"wrote     {folder / name}")
+    if result.interrupted:
+        return INTERRUPTED
+    return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
+
+
+@app.command
+def check(design: Path, /, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
+    """Certify a design file independently, trusting no claim in it.
+
+    Args:
+        design: FOLD file.
+        as_json: print the certificate as JSON.
+    """
+    from inverse import check as certify
+
+    certificate = certify(design)
+    if as_json:
+        print(json.dumps(certificate.document(), indent=1, allow_nan=False))
+    else:
+        for one in certificate.checks.values():
+            print(one.sentence)
+        if certificate.free_range is not None:
+            low, high = certificate.free_range
+            print(f"free of crossings from t = {low:g} to {high:g} degrees")
+        print("certified" if certificate.certified else "NOT certified")
+    return CERTIFIED if certificate.certified else NOT_CERTIFIED
+
+
+@app.command
+def schema() -> int:
+    """Print the JSON schema of specifications."""
+    from inverse.spec import Specification
+
+    print(json.dumps(Specification.model_json_schema(), indent=1))
+    return 0
+
+
+def main() -> None:
+    """Run the command line and exit with its code."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command line; wrong input becomes a message and a code, never a traceback."""
+    try:
+        result = app(arguments, exit_on_error=False, print_error=True)
+    except CycloptsError:
+        return WRONG_INPUT
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    return result if isinstance(result, int) else 0
+
+
+def _summary(result: Result, folder: Path) -> dict[str, object]:
+    return {
+        "status": result.status,
+        "certified": result.certified,
+        "converged": result.converged,
+        "out": str(folder),
+        "fit": result.report["fit"],
+        "coverage": result.report["coverage"],
+    }
+
+
+class _Watch:
+    """Shows the iterations on stderr: one line that changes on a terminal, else a line every few seconds."""
+
+    def __init__(self, every_s: float = 5.0) -> None:
+        self._terminal = sys.stderr.isatty()
+        self._every = 0.1 if self._terminal else every_s
+        self._last = time.monotonic()
+
+    def __enter__(self) -> _Watch:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._terminal:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+    def __call__(self, phase: str, progress: Progress) -> None:
+        now = time.monotonic()
+        if now - self._last < self._every:
+            return
+        self._last = now
+        line = (
+            f"{phase}, iteration {progress.iteration}: objective {progress.objective:.3e}, "
+            f"largest violation {progress.violation:.1e}"
+        )
+        print(f"\r\033[K{line}" if self._terminal else line, end="" if self._terminal else "\n", file=sys.stderr, flush=True)

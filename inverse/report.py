@@ -1,0 +1,104 @@
+"""What a solve leaves behind: design, certificate, report and pictures, each file whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from inverse import fold_file, pictures
+from inverse.context import Context, read_city_json, triangulated
+from inverse.errors import InputError
+from inverse.files import write_atomically
+from inverse.solve import Result
+from inverse.spec import Loaded
+
+PACKAGES = ("inverse", "casadi", "numpy", "scipy", "pyvista", "trimesh", "libigl")
+
+
+def output_folder(loaded: Loaded, given: Path | None) -> Path:
+    """The folder to write to, ``out/<name>`` if none is given; it is made when something is written.
+
+    Raises:
+        InputError: the folder cannot be made or written to.
+    """
+    folder = given or Path("out") / loaded.specification.name
+    existing = folder.absolute()
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    if not existing.is_dir():
+        raise InputError(f"{existing} is a file, so no results can be written to {folder}", hint="Choose another -o.")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"{existing} may not be written to", where=str(folder), hint="Choose another -o.")
+    return folder
+
+
+def read_context(loaded: Loaded) -> Context | None:
+    """The building context that a specification names, if any.
+
+    Raises:
+        InputError: the file cannot be used, with the place in the specification.
+    """
+    keys = loaded.specification.context
+    if keys is None:
+        return None
+    try:
+        return read_city_json(loaded.folder / keys.file, keys.origin)
+    except InputError as error:
+        raise loaded.source.error(("context", "file"), str(error).split("\n")[0], error.hint) from None
+
+
+def write(result: Result, loaded: Loaded, context: Context | None, folder: Path) -> list[str]:
+    """Write everything that a solve promises.
+
+    Args:
+        result: of :func:`inverse.solve`.
+        loaded: the specification it was solved for.
+        context: buildings for the picture.
+        folder: where; made if missing.
+
+    Returns:
+        Sentences about what could not be written, if anything.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        fold_file.write(result.design, folder / "design.fold")
+        _write_json(folder / "certificate.json", result.certificate.document())
+        began = time.perf_counter()
+        notes = _write_pictures(result, context, folder)
+        report = {
+            "name": loaded.specification.name,
+            "status": result.status,
+            **result.report,
+            "versions": {name: version(name) for name in PACKAGES} | {"python": platform.python_version()},
+            "specification": loaded.specification.model_dump(mode="json"),
+            "notes": notes,
+        }
+        report["seconds"] = {**report["seconds"], "pictures": time.perf_counter() - began}
+        _write_json(folder / "report.json", report)
+    except OSError as error:
+        raise InputError(f"the results cannot be written: {error}", where=str(folder), hint="Choose another -o.") from None
+    return notes
+
+
+def _write_pictures(result: Result, context: Context | None, folder: Path) -> list[str]:
+    pictures.crease_pattern_picture(result.design, folder / "crease_pattern.svg")
+    missing = pictures.can_render()
+    if missing is not None:
+        for name in ("design.png", "states.png"):
+            (folder / name).unlink(missing_ok=True)  # a picture of an earlier design would mislead
+        return [missing]
+    target = result.formulation.goal.target.triangles()
+    pictures.design_picture(
+        result.design, folder / "design.png", target=target, context=triangulated(context) if context else None
+    )
+    pictures.states_picture(result.design, folder / "states.png")
+    return []
+
+
+def _write_json(path: Path, document: dict[str, Any]) -> None:
+    write_atomically(path, json.dumps(document, indent=1, allow_nan=False) + "\n")

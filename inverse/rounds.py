@@ -1,0 +1,169 @@
+"""Rounds of IPOPT: closest points are refreshed, polyline segments changed and crossing facets kept apart in between."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from inverse import constraints, objectives, verdict
+from inverse.anchors import PolylineAnchor
+from inverse.assembly import Problem
+from inverse.crossing import crossing_facets
+from inverse.formulate import Formulation
+from inverse.ipopt import Progress, Solver
+from inverse.model import Constraint
+from inverse.pattern import FloatArray, IntArray, Pattern
+
+MAX_ROUNDS = 40
+SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
+GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
+CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where the rounds ended.
+
+    Attributes:
+        variables: (n,) the design.
+        multipliers: (R,) of the problem's rows.
+        problem: the last problem.
+        parameters: the parameters that the verdict is to use.
+    """
+
+    variables: FloatArray
+    multipliers: FloatArray
+    problem: Problem
+    parameters: FloatArray
+
+
+@dataclass
+class Rounds:
+    """The rounds of one solve.
+
+    Attributes:
+        formulation: what is solved.
+        tolerance: of IPOPT.
+        max_iterations: of each round.
+        deadline: on the monotonic clock, in seconds.
+        watch: told every iteration.
+        stop: set from outside to end at the next iteration.
+        attempts: how each round ended, for the report.
+    """
+
+    formulation: Formulation
+    tolerance: float
+    max_iterations: int
+    deadline: float
+    watch: Callable[[str, Progress], None]
+    stop: threading.Event = field(default_factory=threading.Event)
+    attempts: list[dict[str, Any]] = field(default_factory=list)
+    _best: tuple[float, float, FloatArray] = (np.inf, np.inf, np.empty(0))
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the user or the clock ended the rounds."""
+        return self.stop.is_set() or time.monotonic() >= self.deadline
+
+    def run(self) -> Solution:
+        """Solve; where facets cross, keep them apart and solve again from the seed."""
+        model = self.formulation.goal.model
+        apart = np.empty((0, 2), np.int64)
+        while True:
+            separation = constraints.separation(model, apart, CLEARANCE) if len(apart) else None
+            solution = self._fitted([separation] if separation else [])
+            more = np.unique(np.vstack([apart, self._crossing(solution.variables)]), axis=0)
+            if self.stopped or len(self.attempts) >= MAX_ROUNDS or len(more) == len(apart):
+                return solution
+            apart = more
+
+    def _fitted(self, extra: list[Constraint]) -> Solution:
+        """Rounds until the closest points and the segments of polylines have settled."""
+        goal, model = self.formulation.goal, self.formulation.goal.model
+        sliding, seen = self.formulation.sliding, set()
+        x = model.seed_points.ravel()
+        history: list[tuple[float, Solution]] = []
+        multipliers = None
+        problem, solver = self._problem(sliding, extra)
+        while True:
+            seen.add(_segments(sliding))
+            points = model.to_lengths(x.reshape(-1, 3))
+            parameters = problem.parameters(objectives.refreshed(goal, points))
+            attempt = solver.run(x, parameters, multipliers)
+            x, multipliers = attempt.variables, attempt.multipliers
+            if self.stopped:
+                x = self._best[2]
+            points = model.to_lengths(x.reshape(-1, 3))
+            rms = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)))
+            self.attempts.append(
+                {
+                    "method": "ipopt",
+                    "ended": attempt.status,
+                    "iterations": attempt.iterations,
+                    "seconds": attempt.seconds,
+                    "fit_rms": rms,
+                }
+            )
+            history.append((rms, Solution(x, multipliers, problem, parameters)))
+            fresh = problem.parameters(objectives.refreshed(goal, points))
+            onward = [anchor.moved_on(points) for anchor in sliding]
+            if self.stopped or len(self.attempts) >= MAX_ROUNDS or len(self._crossing(x)):
+                return Solution(x, multipliers, problem, fresh)
+            if _segments(onward) not in seen:
+                sliding, multipliers, history = onward, None, []
+                problem, solver = self._problem(sliding, extra)
+                continue
+            steepness = verdict.stationarity(problem, x, multipliers, fresh, model)
+            if goal.is_exact or steepness < SETTLED * verdict.STATIONARITY:
+                return Solution(x, multipliers, problem, fresh)
+            if goal.target.has_kinks and len(history) > 3 and _no_gain([rms for rms, _ in history]):
+                # Between the facets of a target mesh the closest points jump to and fro for ever. The best round
+                # is the answer, stationary for the tangent planes that it was solved with.
+                return min(history, key=lambda entry: entry[0])[1]
+
+    def _crossing(self, x: FloatArray) -> IntArray:
+        """Pairs of facets that cross, and those like them."""
+        pattern = self.formulation.goal.model.pattern
+        return _alike(pattern, crossing_facets(x.reshape(-1, 3), pattern.faces_vertices))
+
+    def _problem(self, sliding: list[PolylineAnchor], extra: list[Constraint]) -> tuple[Problem, Solver]:
+        goal = self.formulation.goal
+        terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
+        problem = Problem(goal.model.seed_points.size, self.formulation.objectives, terms)
+        return problem, Solver(problem, self.tolerance, self.max_iterations, self._report)
+
+    def _report(self, progress: Progress) -> bool:
+        """Keep the best iterate; False stops IPOPT."""
+        rank = (max(progress.violation, verdict.BOUND), progress.objective)
+        if rank < self._best[:2]:
+            self._best = (*rank, progress.variables)
+        self.watch(f"round {len(self.attempts) + 1}", progress)
+        return not self.stopped
+
+
+def _no_gain(rms: list[float]) -> bool:
+    return min(rms[-2:]) > (1 - GAIN) * min(rms[:-2])
+
+
+def _segments(sliding: list[PolylineAnchor]) -> tuple[bytes, ...]:
+    return tuple(anchor.segments.tobytes() for anchor in sliding)
+
+
+def _alike(pattern: Pattern, pairs: IntArray) -> IntArray:
+    """Pairs of facets and, on a grid, all pairs that lie alike along the strips that they belong to."""
+    if pattern.grid is None or not len(pairs):
+        return pairs
+    m, n = pattern.grid
+    (i0, j0), (i1, j1) = np.divmod(pairs[:, 0], n), np.divmod(pairs[:, 1], n)
+    found = set()
+    for a, b, c, d in np.stack([i0, j0, i1, j1], axis=1).tolist():
+        if abs(c - a) <= abs(d - b):
+            found |= {(i * n + b, (i + c - a) * n + d) for i in range(m) if 0 <= i + c - a < m}
+        else:
+            found |= {(a * n + j, c * n + j + d - b) for j in range(n) if 0 <= j + d - b < n}
+    return np.array(sorted((min(p), max(p)) for p in found), np.int64)

@@ -1,0 +1,93 @@
+"""Our own verdict on a design: stationary, feasible, fitted; from unscaled residuals, whatever a solver says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from inverse import geometry, objectives
+from inverse.assembly import Problem
+from inverse.crossing import triangles_of
+from inverse.model import DesignModel
+from inverse.objectives import Goal
+from inverse.pattern import Design, FloatArray
+from inverse.target.mesh import MeshTarget
+
+# All relative. Gradients: to the objective's gradient at the seed. Multipliers times slacks: to the objective.
+# Equations and bounds: in mean edge lengths, radians or the dimensionless form of the constraint.
+STATIONARITY = 1e-6
+COMPLEMENTARITY = 1e-2
+EQUATION = 1e-9
+BOUND = 1e-7  # IPOPT relaxes bounds by 1e-8 to have an interior
+
+
+def stationarity(
+    problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, model: DesignModel
+) -> float:
+    """Largest component of the Lagrangian's gradient, relative to the objective's gradient at the seed."""
+    _, gradient = problem.objective_and_gradient(x, parameters)
+    _, at_seed = problem.objective_and_gradient(model.seed_points.ravel(), problem.parameters())
+    _, jacobian = problem.rows_and_jacobian(x, parameters)
+    return float(np.abs(gradient + jacobian.T @ multipliers).max() / (np.abs(at_seed).max() or 1.0))
+
+
+def judge(
+    problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, model: DesignModel
+) -> dict[str, Any]:
+    """Stationarity, complementarity and violations of every constraint; ``failed`` says in sentences what fails."""
+    value, _ = problem.objective_and_gradient(x, parameters)
+    rows, _ = problem.rows_and_jacobian(x, parameters)
+    steepness = stationarity(problem, x, multipliers, parameters, model)
+    # A multiplier pushes inward from the bound that its sign belongs to; at a bound that is not there it is a
+    # fault of its own size.
+    slack = np.maximum(np.where(multipliers > 0, problem.upper - rows, rows - problem.lower), 0.0)
+    gap = float(np.abs(multipliers) @ np.where(np.isfinite(slack), slack, 1.0))
+    violations = problem.violations(x, parameters)
+    equations = {c.name for c in problem.constraints if c.is_equation}
+    failed = []
+    if not steepness <= STATIONARITY:
+        failed.append(f"the design is not stationary: gradient {steepness:.2g} of the seed's, {STATIONARITY:g} allowed")
+    if not gap <= COMPLEMENTARITY * value + 1e-14:
+        failed.append(f"bounds are not settled: multipliers times slacks {gap:.2g}, objective {value:.2g}")
+    for name, (size, where) in violations.items():
+        allowed = EQUATION if name in equations else BOUND
+        if not size <= allowed:
+            failed.append(f"constraint {name} is violated by {size:.2g} at {where}, {allowed:g} allowed")
+    return {
+        "stationarity": steepness,
+        "complementarity": gap,
+        "violations": {name: {"value": size, "worst": where} for name, (size, where) in violations.items()},
+        "failed": failed,
+    }
+
+
+def fit_distances(goal: Goal, points: FloatArray) -> FloatArray:
+    """Distances (N,) of the fitted points of vertices ``points`` (V, 3) from the target, border included."""
+    return goal.target.distances(objectives.mean_points(points, objectives.fit_vertices(goal.model, goal.fit_points)))
+
+
+def fit(goal: Goal, design: Design) -> dict[str, Any]:
+    """The fit as reported: rms and max in length units and relative to the diagonal, and the placed seed's."""
+    distances = fit_distances(goal, design.vertices_coords)
+    at_start = fit_distances(goal, goal.model.seed.vertices_coords)
+    size, start_size = (geometry.diagonal(d.vertices_coords) for d in (design, goal.model.seed))
+    rms, start_rms = (float(np.sqrt(np.mean(d**2))) for d in (distances, at_start))
+    return {
+        "points": goal.fit_points,
+        "rms": rms,
+        "max": float(distances.max()),
+        "rms_relative": rms / size,
+        "max_relative": float(distances.max()) / size,
+        "start_rms": start_rms,
+        "start_rms_relative": start_rms / start_size,
+    }
+
+
+def coverage(goal: Goal, design: Design) -> float:
+    """Fraction of the target's area within one (mean) facet diameter of the mesh."""
+    faces, points = design.pattern.faces_vertices, design.vertices_coords
+    diameters = [max(np.linalg.norm(points[a] - points[b]) for a in face for b in face) for face in faces]
+    samples, areas = goal.target.samples()
+    distances = MeshTarget(points, triangles_of(faces)[0]).distances(samples)
+    return float(areas[distances <= np.mean(diameters)].sum() / areas.sum())

@@ -1,0 +1,104 @@
+"""Documents of design files for the tests of the certificate."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from inverse import certify, fold_file, seeds
+from inverse.pattern import Design
+
+FOUR_GON = [(1, 1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 1)]
+SIX_GON = [(1, 1, 2), (1, -1, 1), (-1, -1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 2)]
+HYBRID = ["FL", "FL", "FL", "CFL", "CFL", "FL", "FL", "FL"]
+
+SEEDS: dict[str, Design] = {
+    "miura": seeds.grid((4, 5)),
+    "miura, complementary": seeds.grid((4, 5), "CFL", "CFL"),
+    "eggbox": seeds.grid((4, 5), "CFL", "FL"),
+    "eggbox, turned": seeds.grid((4, 5), "FL", "CFL"),
+    "hybrid": seeds.grid((6, 9), "FL", HYBRID),
+    "unequal": seeds.grid(
+        (4, 5), "CFL", "FL", lengths_u=[1, 2, 1.5, 0.3], lengths_v=[1, 2, 0.7, 3, 1], sector_angle=1.2
+    ),
+    "4-gon tube": seeds.tube(FOUR_GON, 5),
+    "6-gon tube": seeds.tube(SIX_GON, 4, lengths=[1, 0.5, 2, 0.7]),
+    "one hinge": seeds.grid((2, 1)),
+}  # fmt: skip
+
+
+def document(name: str) -> dict[str, Any]:
+    """A fresh document of a seed."""
+    return copy.deepcopy(fold_file.document(SEEDS[name]))
+
+
+def verdict(doc: dict[str, Any], folder: Path) -> certify.Certificate:
+    """The certificate of a document, by way of a file."""
+    path = folder / "design.fold"
+    path.write_text(json.dumps(doc))
+    return certify.check(path)
+
+
+def failures(certificate: certify.Certificate) -> set[str]:
+    return {name for name, item in certificate.checks.items() if not item.passed}
+
+
+def edge_index(doc: dict[str, Any], a: int, b: int) -> int:
+    return next(k for k, pair in enumerate(doc["edges_vertices"]) if set(pair) == {a, b})
+
+
+def without_facets(doc: dict[str, Any], removed: set[int], holes: list[list[int]]) -> dict[str, Any]:
+    """A document with holes where facets that share no vertices were; ``holes``: the claim to make."""
+    doc = copy.deepcopy(doc)
+    rim = {
+        frozenset((face[k - 1], face[k]))
+        for f in removed
+        for face in [doc["faces_vertices"][f]]
+        for k in range(4)
+    }
+    for k, pair in enumerate(doc["edges_vertices"]):
+        if frozenset(pair) in rim:
+            doc["edges_assignment"][k] = doc["bdffpq:edges_type"][k] = "B"
+            doc["edges_foldAngle"][k] = 0.0
+            for frame in doc["file_frames"]:
+                frame["edges_foldAngle"][k] = 0.0
+    doc["faces_vertices"] = [face for f, face in enumerate(doc["faces_vertices"]) if f not in removed]
+    doc["bdffpq:topology"] = "cylinder" if len(removed) == 1 else f"holes:{len(removed)}"
+    doc["bdffpq:holes"] = holes
+    del doc["bdffpq:grid"]
+    return doc
+
+
+def relabelled(doc: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    """The same design with vertices, facets and edges renumbered, facets and edges starting elsewhere."""
+    doc = copy.deepcopy(doc)
+    new = rng.permutation(len(doc["vertices_coords"]))
+    old = np.argsort(new)
+    edge_order = rng.permutation(len(doc["edges_vertices"]))
+    face_order = rng.permutation(len(doc["faces_vertices"]))
+    for frame in [doc, *doc["file_frames"]]:
+        frame["vertices_coords"] = [frame["vertices_coords"][v] for v in old]
+        frame["edges_foldAngle"] = [frame["edges_foldAngle"][e] for e in edge_order]
+    doc["edges_vertices"] = [[int(new[v]) for v in doc["edges_vertices"][e]] for e in edge_order]
+    for key in ("edges_assignment", "bdffpq:edges_type"):
+        doc[key] = [doc[key][e] for e in edge_order]
+    faces = [[int(new[v]) for v in doc["faces_vertices"][f]] for f in face_order]
+    shifts = rng.integers(0, 3, len(faces))
+    doc["faces_vertices"] = [face[k:] + face[:k] for face, k in zip(faces, shifts, strict=True)]
+    place = np.argsort(face_order)
+    doc["bdffpq:holes"] = [[int(place[f]) for f in strip] for strip in doc["bdffpq:holes"]]
+    doc.pop("bdffpq:grid", None)
+    return doc
+
+
+def moved(doc: dict[str, Any], rotation: np.ndarray, shift: np.ndarray, scale: float) -> dict[str, Any]:
+    """The same design turned, shifted and scaled."""
+    doc = copy.deepcopy(doc)
+    doc["vertices_coords"] = (scale * (np.array(doc["vertices_coords"]) @ rotation.T + shift)).tolist()
+    for frame in doc["file_frames"]:
+        frame["vertices_coords"] = (scale * np.array(frame["vertices_coords"])).tolist()
+    return doc
