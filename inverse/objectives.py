@@ -16,6 +16,9 @@ from inverse.model import DesignModel, Objective
 from inverse.pattern import B, FloatArray, IntArray
 from inverse.target import Target
 
+# Of the coverage: mean edge lengths that a rim facet may move without harm, factors of the pull within and beyond.
+SLACK, WEAK, STRONG = 0.5, 0.3, 3.0
+
 FitPoints = Literal["facets", "layer", "vertices"]
 
 
@@ -162,11 +165,12 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
     return {name: foot_parameters(goal, points, [group]) for name, group in zip(names, groups, strict=True)}
 
 
-@objective("coverage", default_weight=1e-4)
+@objective("coverage", default_weight=1e-3)
 def coverage(goal: Goal) -> list[Elements]:
     """Facets of the rim stay, in plan, near the place on the target's rim that the placed seed gave them.
 
-    Fit alone is content with a mesh that has shrunk into a corner of the target.
+    Fit alone is content with a mesh that has shrunk into a corner of the target. Within ``SLACK`` the pull is
+    weak, so that it costs no fit; beyond, where the target's rim would come to lie bare, it is strong.
     """
     model = goal.model
     pattern = model.pattern
@@ -178,7 +182,9 @@ def coverage(goal: Goal) -> list[Elements]:
         places = model.seed_points[group].mean(axis=1) @ plan.T
 
         def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
-            return casadi.DM(plan) @ (casadi.sum2(casadi.reshape(q, 3, k)) / k) - p
+            offset = casadi.DM(plan) @ (casadi.sum2(casadi.reshape(q, 3, k)) / k) - p
+            beyond = casadi.fmax(0, casadi.sumsqr(offset) - SLACK**2) / (2 * SLACK)
+            return casadi.vertcat(WEAK * offset, STRONG * beyond)
 
         name = "coverage" if not blocks else f"coverage_{sides}"
         blocks.append(Elements(name, Kernel(name, residual, 3 * sides, 2), model.variables_of(group), places))

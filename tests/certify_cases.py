@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 import json
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from inverse import certify, fold_file, seeds
+from inverse.fold_format import FoldFrame, read_frame
 from inverse.pattern import Design
 
 FOUR_GON = [(1, 1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 1)]
@@ -41,6 +43,14 @@ def verdict(doc: dict[str, Any], folder: Path) -> certify.Certificate:
     path = folder / "design.fold"
     path.write_text(json.dumps(doc))
     return certify.check(path)
+
+
+def frame_of(doc: dict[str, Any]) -> FoldFrame:
+    """A document as it is read from a file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "design.fold"
+        path.write_text(json.dumps(doc))
+        return read_frame(path)
 
 
 def failures(certificate: certify.Certificate) -> set[str]:

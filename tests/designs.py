@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from inverse import seeds
+from inverse.model import Constraint, DesignModel
 from inverse.pattern import CFL, FL, Design, Pattern
 
 # Closed sections of Tachi's isotropic cylinders, steps (n, a, length).
@@ -163,3 +164,17 @@ def best_motion(points: np.ndarray, onto: np.ndarray) -> np.ndarray:
 def assert_close(actual: Any, expected: Any, atol: float) -> None:
     """Equal to within an absolute error."""
     np.testing.assert_allclose(actual, expected, rtol=0, atol=atol)
+
+
+def rows_of(constraint: Constraint, model: DesignModel, points: np.ndarray) -> np.ndarray:
+    """Rows (N, k) at vertices (V, 3) in the seed's unit."""
+    e = constraint.elements
+    x = model.to_dimensionless(points).ravel()
+    return np.array(e.kernel.value.map(e.count)(x[e.variables].T, e.parameters.T)).T.reshape(
+        constraint.lower.shape
+    )
+
+
+def holds(constraint: Constraint, model: DesignModel, points: np.ndarray) -> np.ndarray:
+    rows = rows_of(constraint, model, points)
+    return ((rows >= constraint.lower) & (rows <= constraint.upper)).all(axis=1)

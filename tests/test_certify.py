@@ -8,10 +8,21 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from certify_cases import FOUR_GON, SEEDS, SIX_GON, document, edge_index, failures, verdict, without_facets
+from certify_cases import (
+    FOUR_GON,
+    SEEDS,
+    SIX_GON,
+    document,
+    edge_index,
+    failures,
+    frame_of,
+    verdict,
+    without_facets,
+)
 
 from inverse import certify, fold_file, folding, geometry, seeds
-from inverse.certify.certificate import LIMITS
+from inverse.certify import mobility
+from inverse.certify.certificate import LIMITS, judge
 from inverse.certify.loops import cut_open, shortest_strips
 from inverse.certify.measures import fold_halves
 from inverse.certify.mesh import build_mesh
@@ -101,6 +112,23 @@ def test_motion_is_exact_in_the_flat_states(tmp_path):
         assert np.linalg.svd(state - state.mean(axis=0))[1][2] < 1e-14
 
 
+def test_limits_are_exact_for_the_smallest_fold():
+    points = np.array([[0, 0, 0], [0, 1, 0], [-1, 0.5, 0], [1, 0.5, 1e-13]], np.float64)
+    mesh, _ = build_mesh([[0, 1, 2], [1, 0, 3]], 4)
+    motion = Motion(mesh, points, np.ones(5, np.int64), *fold_halves(mesh, points))
+    developed, folded = motion.vertices(np.array([0.0, np.pi / 2]))
+    np.testing.assert_allclose(developed[3], [1, 0.5, 0], atol=1e-15)
+    np.testing.assert_allclose(folded[3], [-1, 0.5, 0], atol=1e-15)
+
+
+def test_what_is_no_number_fails():
+    for value in (np.nan, np.inf, None):
+        item = judge("fold_angle", (value, "somewhere"))
+        assert item.value is None
+        assert not item.passed
+        assert "FAILED, somewhere" in item.sentence
+
+
 @pytest.mark.parametrize(("p", "rho"), [(1.0, 0.3), (1.0, -0.3), (0.4, 2.9), (2.0, -np.pi / 2)])
 def test_fold_angle_in_closed_form(p, rho):
     # Two facets with the common edge 0-1 on the y axis: the left one in z = 0, the right one up by rho.
@@ -187,12 +215,14 @@ def _raw(points, faces, types):
     }
 
 
-@pytest.mark.parametrize(("fold_state", "passes"), [(0.99999, True), (0.999999, False)])
+@pytest.mark.parametrize(
+    ("fold_state", "passes"), [(0.9998, False), (0.999, True), (0.5, True), (0.0005, True), (0.00005, False)]
+)
 def test_a_nearly_flat_design_state_certifies_nothing(fold_state, passes, tmp_path):
-    design = seeds.grid((3, 3), fold_state=1 - (1 - fold_state) * 50)
-    certificate = verdict(fold_file.document(design), tmp_path)
+    # Some folds go to 0 where the fold state goes to 1, all others to 180 where it goes to 0.
+    certificate = verdict(fold_file.document(seeds.grid((3, 3), fold_state=fold_state)), tmp_path)
+    assert failures(certificate) == (set() if passes else {"fold_angle"})
     assert (certificate.checks["fold_angle"].value >= 1) == passes
-    assert certificate.checks["fold_angle"].passed == passes
 
 
 # Spoilt topology, types and claims: name of a seed, change of its document, what the fault says.
@@ -257,6 +287,12 @@ def _fold_half(doc):
 
 def _cut_off(doc):
     doc["file_frames"][1]["vertices_coords"].pop()
+
+
+def _in_space(doc):
+    frame = doc["file_frames"][1]
+    frame["vertices_coords"] = [[*point, 1.0] for point in frame["vertices_coords"]]
+    frame["vertices_coords"][0][2] += 1e-3
 
 
 def _other_mesh(doc):
@@ -362,6 +398,7 @@ FAULTS = {
     "developed state stretched": ("miura", _stretch, "the developed frame changes the distance"),
     "developed angle wrong": ("eggbox", _fold_half, "the developed frame folds"),
     "flat-folded state too short": ("miura", _cut_off, "the flat-folded frame needs coordinates"),
+    "flat-folded state not flat": ("miura", _in_space, "the flat-folded frame is not flat"),
     "flat states exchanged": ("eggbox", _swap_frames, "the flat-folded frame folds"),
     "layouts exchanged": ("eggbox", _swap_layouts, "wrong side up"),
     "frames of another mesh": ("miura", _other_mesh, "the developed frame has its own faces_vertices"),
@@ -426,6 +463,16 @@ def test_a_pinched_surface_is_named(tmp_path):
     doc["faces_vertices"] = [face for f, face in enumerate(doc["faces_vertices"]) if f not in (6, 12)]
     certificate = verdict(doc, tmp_path)
     assert any("the surface touches itself at vertex 14" in sentence for sentence in certificate.faults)
+
+
+def test_a_pentagram_turns_twice(tmp_path):
+    angle = 2 * np.pi / 5 * np.arange(5)
+    points = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    doc = _raw(np.vstack([points, [0, 1, 1]]), [[0, 1, 2, 3, 4], [1, 0, 5]], {(0, 1): "FL"})
+    assert verdict(doc, tmp_path).certified
+    star = [0, 3, 1, 4, 2]  # the same five edges in another order of vertices
+    doc["vertices_coords"] = np.vstack([points[star], [0, 1, 1]]).tolist()
+    assert any("facet 0 is not simple and convex" in fault for fault in verdict(doc, tmp_path).faults)
 
 
 def test_a_vertex_of_degree_three_is_named(tmp_path):
@@ -499,6 +546,23 @@ def test_strips_close_up_and_cross_the_cuts_once():
         assert np.count_nonzero(windings[edges].any(axis=1)) == 1
     assert len(turns) == 5
     assert abs(round(np.linalg.det(np.array(turns)))) == 1
+    # A cut starts alone: the last edges of one may serve other holes too, its stretch does not.
+    for hole, stretch in enumerate(cut_open(mesh).stretches):
+        around = np.abs(windings[list(stretch)])
+        assert around[:, hole].all()
+        assert (around == around[0]).all()
+
+
+def test_one_hinge_beside_a_hole_is_tied_by_the_strip_around_it():
+    # The hinges between a hole and the outer rim meet no interior vertex.
+    for words in (("FL", "FL"), ("CFL", "FL"), ("FL", "CFL")):
+        doc = without_facets(fold_file.document(seeds.grid((5, 5), *words)), {6}, [])
+        del doc["bdffpq:holes"]
+        structure = examine(frame_of(doc))
+        motion = Motion(structure.mesh, structure.points, structure.types, *structure.halves)
+        assert mobility.groups(structure.mesh)[0] == 5
+        assert mobility.freedom(motion, shortest_strips(structure.mesh)) == 1
+        assert mobility.freedom(motion, ()) == 5
 
 
 # Crossing.
@@ -521,6 +585,21 @@ def _strip(rho, count):
     points = np.vstack([bottom, bottom + np.array([0, 0, 1])])
     faces = [[k, k + 1, top + k + 1, top + k] for k in range(count)]
     return _raw(points, faces, {(k, top + k): "FL" for k in range(1, count)})
+
+
+@pytest.mark.parametrize("kind", ["FL", "CFL"])
+def test_the_first_crossing_of_the_motion_is_located(kind, tmp_path):
+    # Three squares in a row, folded alike: the outer ones meet when the folds reach 120 degrees.
+    doc = _strip(np.radians(60), 3)
+    doc["bdffpq:edges_type"] = [kind if word == "FL" else word for word in doc["bdffpq:edges_type"]]
+    certificate = verdict(doc, tmp_path)
+    assert certificate.checks["crossing_design"].passed
+    touching = np.degrees(2 * np.arctan(np.tan(np.radians(60)) / np.tan(np.radians(30))))
+    low, high = certificate.free_range
+    if kind == "CFL":
+        low, high = 180 - high, 180 - low
+    assert low == 0.0
+    assert touching - 0.01 <= high <= touching
 
 
 def test_a_large_sheet_takes_seconds(tmp_path):

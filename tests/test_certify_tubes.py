@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from certify_cases import FOUR_GON, SIX_GON, failures, verdict
+from certify_cases import FOUR_GON, SIX_GON, failures, relabelled, verdict
 
 from inverse import fold_file, seeds
+from inverse.certify import loops
+from inverse.certify.mesh import build_mesh
 
 SECTIONS = {"4-gon": FOUR_GON, "6-gon": SIX_GON}
 
@@ -73,6 +75,30 @@ def test_every_closed_strip_of_a_tube_opens_alike_in_rotation(tmp_path):
     second = verdict(doc, tmp_path)
     gaps = [certificate.checks["loop_closure"].value for certificate in (first, second)]
     assert gaps[0] == pytest.approx(gaps[1], rel=0.2)
+
+
+def test_closure_at_the_nodes_alone_finds_the_gap(monkeypatch, tmp_path):
+    doc = fold_file.document(opened_tube(SIX_GON, 2, 1e-3))
+    everywhere = verdict(doc, tmp_path).checks["loop_closure"].value
+    monkeypatch.setattr(loops, "N_SPOT_CHECKS", 0)
+    at_nodes = verdict(doc, tmp_path).checks["loop_closure"].value
+    assert 0.2 * everywhere < at_nodes <= everywhere
+
+
+@pytest.mark.parametrize("column", range(6))
+def test_a_strip_that_winds_is_a_strip_whatever_the_numbering(column, tmp_path):
+    doc = fold_file.document(seeds.tube(SIX_GON, 4))
+    i, j = column, (column + 1) % 6
+    there = [(i, 0), (j, 0), (j, 1), (i, 1), (i, 2)]
+    rest = [((column + k) % 6, 2) for k in range(1, 6)]
+    back = [((column + 5) % 6, row) for row in (1, 0)]
+    doc["bdffpq:holes"] = [[4 * a + b for a, b in there + rest + back]]
+    doc = relabelled(doc, np.random.default_rng(column))
+    certificate = verdict(doc, tmp_path)
+    assert certificate.certified, certificate.faults
+    mesh, _ = build_mesh(doc["faces_vertices"], len(doc["vertices_coords"]))
+    cuts = loops.cut_open(mesh)
+    assert len(cuts.stretches[0]) == np.count_nonzero(cuts.windings) >= 4
 
 
 @pytest.mark.parametrize("n_rows", [2, 7])

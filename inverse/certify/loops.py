@@ -67,7 +67,7 @@ def cut_open(mesh: Mesh) -> Cuts:
         paths.append(path)
     stretches = []
     for path in paths:
-        alone = [edge for edge in path if (windings[edge] == windings[path[0]]).all()]
+        alone = [edge for edge in path if (np.abs(windings[edge]) == np.abs(windings[path[0]])).all()]
         stretches.append(tuple(alone))
     return Cuts(windings, tuple(stretches))
 

@@ -1,7 +1,7 @@
 """How many independent motions a design has: a mechanism of this kind must have exactly one.
 
 The fold lines that meet in interior vertices move together, one parameter per group of them; the strips
-around the holes tie groups to each other. The first-order count below is an upper bound, so that 1 proves one.
+around the holes tie groups to each other. The count, of first order, is an upper bound: 1 proves one.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def groups(mesh: Mesh) -> tuple[int, IntArray]:
     return len(names), group
 
 
-def faults(motion: Motion, strips: tuple[Strip, ...]) -> list[str]:
-    """Whether the design has another motion than the one that was measured.
+def freedom(motion: Motion, strips: tuple[Strip, ...]) -> int:
+    """Upper bound for the number of independent motions from the design state.
 
     Args:
         motion: points in units of the bounding-box diagonal.
@@ -40,24 +40,30 @@ def faults(motion: Motion, strips: tuple[Strip, ...]) -> list[str]:
     """
     mesh = motion.mesh
     count, group = groups(mesh)
-    if count <= 1:
-        return []
+    if count <= 1 or not strips:
+        return count
     # Equations (3) and (5) differentiated at the design state; in a group all rates grow alike.
     rate = np.where(motion.types == CFL, -2.0, 2.0) * motion.sine * motion.cosine
     group_of = np.zeros(len(mesh.edges), np.int64)
     group_of[mesh.inner] = group
-    closed = np.zeros((6 * len(strips), count))
-    for k, (facets, edges) in enumerate(strips):
+    # A strip stays closed if the twists of its hinges, each a rate times a line, sum to zero.
+    twists = np.zeros((len(strips), 6, count))
+    for total, (facets, edges) in zip(twists, strips, strict=True):
         forward = np.where(mesh.sides[edges, 0] == facets, 1.0, -1.0)
-        np.add.at(
-            closed[6 * k : 6 * k + 6].T, group_of[edges], (forward * rate[edges] * motion.axes[:, edges]).T
-        )
-    singular = np.linalg.svd(closed, compute_uv=False) if len(strips) else np.zeros(0)
-    freedom = count - int(np.count_nonzero(singular > RANK_TOLERANCE * singular.max(initial=0.0)))
-    if freedom <= 1:
+        np.add.at(total.T, group_of[edges], (forward * rate[edges] * motion.axes[:, edges]).T)
+    singular = np.linalg.svd(twists.reshape(-1, count), compute_uv=False)
+    return count - int(np.count_nonzero(singular > RANK_TOLERANCE * singular.max()))
+
+
+def faults(motion: Motion, strips: tuple[Strip, ...]) -> list[str]:
+    """Whether the design has other motions than the measured one; arguments as for :func:`freedom`."""
+    number = freedom(motion, strips)
+    if number <= 1:
         return []
+    mesh = motion.mesh
+    count, group = groups(mesh)
     first, other = mesh.inner[0], mesh.inner[np.argmax(group != group[0])]
     return [
-        f"there are {freedom} independent motions: the fold lines fall into {count} groups that no vertex"
+        f"there are {number} independent motions: the fold lines fall into {count} groups that no vertex"
         f" joins, for example {mesh.name(first)} and {mesh.name(other)}"
     ]

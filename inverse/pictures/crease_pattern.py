@@ -54,7 +54,7 @@ def _document(design: Design) -> str:
     kinds = edge_kinds(design.pattern, geometry.fold_angles(design.pattern, design.vertices_coords))
     edge_length = float(np.median(geometry.edge_lengths(design.pattern, design.vertices_coords)))
     page = _page(sheets)
-    stroke = min(2.4, max(0.35, 0.035 * page.scale * edge_length))
+    stroke = min(2.4, max(0.4, 0.04 * page.scale * edge_length))
 
     svg = ET.Element(
         "svg", xmlns="http://www.w3.org/2000/svg", width=_px(page.width), height=_px(page.height),
@@ -121,7 +121,7 @@ def _number_seams(svg: ET.Element, design: Design, sheets: list[Sheet], page: _P
     if not number:
         return
     size = min(11.0, max(5.0, 0.2 * edge_px))
-    stride = math.ceil(0.62 * size * len(str(len(number))) / edge_px)
+    stride = 1 if edge_px > 30 else math.ceil(80 / edge_px)
     group = ET.SubElement(svg, "g", id="seams", fill=INK)
     group.set("font-size", _px(size))
     group.set("text-anchor", "middle")
@@ -176,7 +176,7 @@ def _legend(svg: ET.Element, page: _Page) -> None:
         line = ET.SubElement(group, "line", x1=_px(x), y1=_px(y), x2=_px(x + 34), y2=_px(y), stroke=colour)
         line.set("stroke-width", "3")
         _text(group, name, x + 42, y + 4.5, 13)
-        x += 42 + 6.7 * len(name) + 26
+        x += 42 + 7.4 * len(name) + 24
 
 
 def _scale_bar(svg: ET.Element, page: _Page, unit: str) -> None:

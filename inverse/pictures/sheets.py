@@ -59,7 +59,7 @@ def lay_out(design: Design) -> list[Sheet]:
     if len(parts) == 1:
         placed = [_turned_flat(places[0])]
     else:
-        turns, cells = _arrange(_Seams(pattern, sheet_of, plane, upwards))
+        turns, cells = _arrange(_seams(pattern, sheet_of, plane, upwards))
         turned = [p * t for p, t in zip(places, turns, strict=True)]
         placed = _spread(turned, cells, 0.4 * float(np.median(geometry.edge_lengths(pattern, flat))))
     whole = np.concatenate(placed)
@@ -96,51 +96,68 @@ def _parts(pattern: Pattern, sheet_of: IntArray) -> list[tuple[IntArray, IntArra
     return list(zip(faces, split(edge_sheet, edge), split(corner_sheet, corner_vertex), strict=True))
 
 
-class _Seams:
-    """Chords of the seams: for sheets a and b, the sum of their common edges, run with a on the left."""
+@dataclass
+class _Seam:
+    """A line along which a sheet meets another; the chords are the sums of its edges, this sheet on the left."""
 
-    def __init__(self, pattern: Pattern, sheet_of: IntArray, plane: ComplexArray, upwards: NDArray[np.bool_]) -> None:
-        self.count = int(sheet_of.max()) + 1
-        self.neighbours: list[dict[int, list[complex]]] = [{} for _ in range(self.count)]
-        for edge in np.flatnonzero(pattern.edges_type == CFL).tolist():
-            faces = pattern.edges_faces[edge]
-            tail, head = pattern.edges_vertices[edge]
-            step = complex(plane[head] - plane[tail])
-            a, b = sheet_of[faces].tolist()
-            step_a, step_b = (step if upwards[f] else step.conjugate() for f in faces)
-            self._add(a, b, step_a, step_b)
-            self._add(b, a, -step_b, -step_a)
-
-    def _add(self, a: int, b: int, step_a: complex, step_b: complex) -> None:
-        chords = self.neighbours[a].setdefault(b, [0.0, 0.0])
-        chords[0] += step_a
-        chords[1] += step_b
+    other: int
+    chord: complex = 0j  # as this sheet sees it
+    other_chord: complex = 0j  # as the other one does
 
 
-def _arrange(seams: _Seams) -> tuple[list[complex], list[tuple[int, int]]]:
+def _seams(
+    pattern: Pattern, sheet_of: IntArray, plane: ComplexArray, upwards: NDArray[np.bool_]
+) -> list[list[_Seam]]:
+    """The seams of every sheet."""
+    line_of = {
+        frozenset(pair): k for k, line in enumerate(pattern.lines) for pair in zip(line, line[1:], strict=False)
+    }
+    found: list[dict[tuple[int, int], _Seam]] = [{} for _ in range(int(sheet_of.max()) + 1)]
+    for edge in np.flatnonzero(pattern.edges_type == CFL).tolist():
+        tail, head = pattern.edges_vertices[edge].tolist()
+        faces = pattern.edges_faces[edge].tolist()
+        line = line_of[frozenset((tail, head))]
+        step = complex(plane[head] - plane[tail])
+        seen = [step if upwards[face] else step.conjugate() for face in faces]  # left facet first
+        for here, there, way in ((0, 1, 1), (1, 0, -1)):
+            other = int(sheet_of[faces[there]])
+            seam = found[sheet_of[faces[here]]].setdefault((other, line), _Seam(other))
+            seam.chord += way * seen[here]
+            seam.other_chord += way * seen[there]
+    return [list(seams.values()) for seams in found]
+
+
+def _arrange(seams: list[list[_Seam]]) -> tuple[list[complex], list[tuple[int, int]]]:
     """A turn (unit complex number) and a cell (column, row) for every sheet, breadth first from sheet 0.
 
-    A sheet goes to the side of the seam that joins it, and is turned so that this seam's chord is upright or level.
+    A sheet goes to the side of the seam that joins it; then all are turned so that the chords of the seams between
+    neighbouring cells are as upright and level as they can be.
     """
-    turns: list[complex] = [1.0 + 0j] * seams.count
-    cells: list[tuple[int, int]] = [(0, 0)] * seams.count
-    longest = max((chords[0] for chords in seams.neighbours[0].values()), key=abs)
-    turns[0] = _unit(1j * longest.conjugate())
+    turns: list[complex] = [1.0 + 0j] * len(seams)
+    cells: list[tuple[int, int]] = [(0, 0)] * len(seams)
+    turns[0] = _unit(1j * max((seam.chord for seam in seams[0]), key=abs).conjugate())
     taken, reached, queue = {(0, 0)}, {0}, deque([0])
     while queue:
         here = queue.popleft()
-        for there, (chord_here, chord_there) in seams.neighbours[here].items():
-            if there in reached:
+        for seam in seams[here]:
+            if seam.other in reached:
                 continue
-            side = _nearest_quarter(-1j * chord_here * turns[here])
-            turns[there] = _unit(1j * side * chord_there.conjugate())
+            side = _nearest_quarter(-1j * seam.chord * turns[here])
+            turns[seam.other] = _unit(1j * side * seam.other_chord.conjugate())
             column, row = cells[here]
             while (column, row) in taken:
                 column, row = column + round(side.real), row + round(side.imag)
-            cells[there] = (column, row)
+            cells[seam.other] = (column, row)
             taken.add((column, row))
-            reached.add(there)
-            queue.append(there)
+            reached.add(seam.other)
+            queue.append(seam.other)
+    for here, turn in enumerate(turns):
+        total = 0j
+        for seam in seams[here]:
+            step = complex(*cells[seam.other]) - complex(*cells[here])
+            if step == _nearest_quarter(-1j * seam.chord * turn):
+                total += 1j * step * seam.chord.conjugate()
+        turns[here] = _unit(total) if total else turn
     return turns, cells
 
 
