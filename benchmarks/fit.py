@@ -138,7 +138,10 @@ def main() -> int:
     document = {"machine": platform.platform(), "python": platform.python_version(), "rows": rows}
     (out / "fit.json").write_text(json.dumps(document, indent=1))
     missed = [row["name"] for row in rows if row["faults"]]
-    print(f"\n{len(rows) - len(missed)} of {len(rows)} rows meet every limit" + (f"; not: {', '.join(missed)}" if missed else ""))
+    print(
+        f"\n{len(rows) - len(missed)} of {len(rows)} rows meet every limit"
+        + (f"; not: {', '.join(missed)}" if missed else "")
+    )
     return 1 if missed else 0
 
 

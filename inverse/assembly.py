@@ -11,7 +11,7 @@ import scipy.sparse as sparse
 
 from inverse.kernels import Elements, scatter
 from inverse.model import Constraint, Objective
-from inverse.pattern import FloatArray
+from inverse.pattern import FloatArray, IntArray
 
 
 class Problem:
@@ -30,7 +30,7 @@ class Problem:
     def __init__(self, n_variables: int, objectives: Sequence[Objective], constraints: Sequence[Constraint]) -> None:
         self.n_variables = n_variables
         self.objectives, self.constraints = tuple(objectives), tuple(constraints)
-        names = [term.name for term in (*self.objectives, *self.constraints)]
+        names = [elements.name for elements in self._elements]
         if len(set(names)) < len(names):
             raise ValueError(f"terms must have unique names, given {sorted(names)}")
         self.lower = np.concatenate([c.lower.ravel() for c in self.constraints])
@@ -54,7 +54,7 @@ class Problem:
 
     @property
     def _elements(self) -> list[Elements]:
-        return [term.elements for term in (*self.objectives, *self.constraints)]
+        return [*(o.elements for o in self.objectives), *(c.elements for c in self.constraints)]
 
     @cached_property
     def functions(self) -> dict[str, casadi.Function]:
@@ -65,50 +65,52 @@ class Problem:
         p = casadi.MX.sym("p", n_weights + sum(sizes))
         offsets = np.cumsum([n_weights, *sizes])
         local = {
-            e.name: (e.local(x), casadi.reshape(p[int(start) : int(start) + e.parameters.size], e.kernel.n_parameters, e.count))
+            e.name: (
+                e.local(x),
+                casadi.reshape(p[int(start) : int(start) + e.parameters.size], e.kernel.n_parameters, e.count),
+            )
             for e, start in zip(self._elements, offsets, strict=False)
         }
 
-        f, gradient = casadi.MX(0), casadi.MX.zeros(self.n_variables)
-        curvature, rows, columns = [], [], []
+        n = self.n_variables
         lam_f, lam_g = casadi.MX.sym("lam_f"), casadi.MX.sym("lam_g", self.n_rows)
+        f = casadi.MX(0)
+        gradient, jacobian, hessian = _Triplets(), _Triplets(), _Triplets()
         for k, objective in enumerate(self.objectives):
-            e = objective.elements
-            factor = p[k] / (e.count * e.kernel.n_residuals)
-            f += factor * casadi.sum1(e.mapped(e.kernel.square, *local[e.name]))
-            slopes = e.mapped(e.kernel.gradient, *local[e.name])
+            e, kernel = objective.elements, objective.elements.kernel
+            factor = p[k] / (e.count * kernel.n_residuals)
+            f += factor * casadi.sum1(e.mapped(kernel.square, *local[e.name]))
             places = e.variables.ravel()
-            gradient += factor * casadi.densify(
-                scatter(slopes, places, np.zeros_like(places), (self.n_variables, 1))
-            )
-            curvature.append(lam_f * factor * e.mapped(e.kernel.square_curvature, *local[e.name]))
-            _extend(rows, columns, e.curvature_places(e.kernel.square_curvature))
+            gradient.add(factor * e.mapped(kernel.gradient, *local[e.name]), places, np.zeros_like(places))
+            curvature = e.mapped(kernel.square_curvature, *local[e.name])
+            hessian.add(lam_f * factor * curvature, *e.curvature_places(kernel.square_curvature))
 
-        g, jacobian, jacobian_rows, jacobian_columns = [], [], [], []
-        row = 0
+        values, row = [], 0
         for constraint in self.constraints:
-            e = constraint.elements
-            height = e.count * e.kernel.n_residuals
-            g.append(e.mapped(e.kernel.value, *local[e.name]))
-            jacobian.append(e.mapped(e.kernel.jacobian, *local[e.name]))
-            r, c = e.matrix_places()
-            _extend(jacobian_rows, jacobian_columns, (r + row, c))
-            if e.kernel.curvature.nnz_out(0):
-                multipliers = casadi.reshape(lam_g[row : row + height], e.kernel.n_residuals, e.count)
-                curvature.append(e.mapped(e.kernel.curvature, *local[e.name], multipliers))
-                _extend(rows, columns, e.curvature_places(e.kernel.curvature))
+            e, kernel = constraint.elements, constraint.elements.kernel
+            height = e.count * kernel.n_residuals
+            values.append(e.mapped(kernel.value, *local[e.name]))
+            rows, columns = e.matrix_places()
+            jacobian.add(e.mapped(kernel.jacobian, *local[e.name]), rows + row, columns)
+            multipliers = casadi.reshape(lam_g[row : row + height], kernel.n_residuals, e.count)
+            curvature = e.mapped(kernel.curvature, *local[e.name], multipliers)
+            hessian.add(curvature, *e.curvature_places(kernel.curvature))
             row += height
 
-        n = self.n_variables
-        values = casadi.vertcat(*g)
-        jac_g = scatter(casadi.vertcat(*jacobian), np.concatenate(jacobian_rows), np.concatenate(jacobian_columns), (self.n_rows, n))
-        hessian = scatter(casadi.vertcat(*curvature), np.concatenate(rows), np.concatenate(columns), (n, n))
+        g = casadi.vertcat(*values)
+        slopes = casadi.densify(gradient.matrix((n, 1)))
         return {
-            "nlp": casadi.Function("nlp", {"x": x, "p": p, "f": f, "g": values}, ["x", "p"], ["f", "g"]),
-            "grad_f": casadi.Function("nlp_grad_f", [x, p], [f, gradient], ["x", "p"], ["f", "grad:f:x"]),
-            "jac_g": casadi.Function("nlp_jac_g", [x, p], [values, jac_g], ["x", "p"], ["g", "jac:g:x"]),
+            "nlp": casadi.Function("nlp", {"x": x, "p": p, "f": f, "g": g}, ["x", "p"], ["f", "g"]),
+            "grad_f": casadi.Function("nlp_grad_f", [x, p], [f, slopes], ["x", "p"], ["f", "grad:f:x"]),
+            "jac_g": casadi.Function(
+                "nlp_jac_g", [x, p], [g, jacobian.matrix((self.n_rows, n))], ["x", "p"], ["g", "jac:g:x"]
+            ),
             "hess_lag": casadi.Function(
-                "nlp_hess_l", [x, p, lam_f, lam_g], [hessian], ["x", "p", "lam:f", "lam:g"], ["triu:hess:gamma:x:x"]
+                "nlp_hess_l",
+                [x, p, lam_f, lam_g],
+                [hessian.matrix((n, n))],
+                ["x", "p", "lam:f", "lam:g"],
+                ["triu:hess:gamma:x:x"],
             ),
         }
 
@@ -151,6 +153,18 @@ class Problem:
         return values
 
 
-def _extend(rows: list, columns: list, places: tuple) -> None:  # type: ignore[type-arg]
-    rows.append(places[0])
-    columns.append(places[1])
+class _Triplets:
+    """Nonzeros of a matrix, collected term by term."""
+
+    def __init__(self) -> None:
+        self._values: list[casadi.MX] = [casadi.MX(0, 1)]
+        self._rows: list[IntArray] = [np.empty(0, np.int64)]
+        self._columns: list[IntArray] = [np.empty(0, np.int64)]
+
+    def add(self, values: casadi.MX, rows: IntArray, columns: IntArray) -> None:
+        self._values.append(values)
+        self._rows.append(rows)
+        self._columns.append(columns)
+
+    def matrix(self, shape: tuple[int, int]) -> casadi.MX:
+        return scatter(casadi.vertcat(*self._values), np.concatenate(self._rows), np.concatenate(self._columns), shape)

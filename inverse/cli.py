@@ -65,7 +65,14 @@ def solve(
               f"(placed seed: rms {fit['start_rms_relative']:.2%})")  # fmt: skip
         print(f"coverage  {result.report['coverage']:.1%} of the target")
         print(f"solving   {result.report['seconds']['solve']:.1f} s, {result.report['iterations']} iterations")
-        for name in ("design.fold", "certificate.json", "report.json", "design.png", "states.png", "crease_pattern.svg"):
+        for name in (
+            "design.fold",
+            "certificate.json",
+            "report.json",
+            "design.png",
+            "states.png",
+            "crease_pattern.svg",
+        ):
             if (folder / name).exists():
                 print(f"wrote     {folder / name}")
     if result.interrupted:
@@ -160,4 +167,9 @@ class _Watch:
             f"{phase}, iteration {progress.iteration}: objective {progress.objective:.3e}, "
             f"largest violation {progress.violation:.1e}"
         )
-        print(f"\r\033[K{line}" if self._terminal else line, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
+        print(
+            f"\r\033[K{line}" if self._terminal else line,
+            end="" if self._terminal else "\n",
+            file=sys.stderr,
+            flush=True,
+        )

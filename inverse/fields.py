@@ -69,9 +69,7 @@ def row(*entries: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def exactly_one(
-    value: Any, what: str, names: tuple[str, ...], others: tuple[str, ...] = ()
-) -> dict[str, Any]:
+def exactly_one(value: Any, what: str, names: tuple[str, ...], others: tuple[str, ...] = ()) -> dict[str, Any]:
     """A mapping in which exactly one of some keys is given; those with nothing behind them are left out.
 
     Args:
@@ -140,9 +138,7 @@ def _nonzero(vector: tuple[float, float, float]) -> tuple[float, float, float]:
 def _moving(line: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, float, float], ...]:
     for k, (a, b) in enumerate(itertools.pairwise(line)):
         if a == b:
-            raise refusal(
-                f"points {k} and {k + 1} of this polyline (counted from 0) are the same: {_numbers(a)}"
-            )
+            raise refusal(f"points {k} and {k + 1} of this polyline (counted from 0) are the same: {_numbers(a)}")
     return line
 
 

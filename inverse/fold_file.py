@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,8 @@ import numpy as np
 from inverse import folding, geometry
 from inverse.errors import InputError
 from inverse.files import write_atomically
-from inverse.holes import hole_strips
 from inverse.fold_format import FoldFrame, read_frame
+from inverse.holes import hole_strips
 from inverse.pattern import EDGE_TYPE_NAMES, B, Design, IntArray, Pattern
 
 
@@ -79,11 +80,29 @@ def _design(frame: FoldFrame) -> Design:
             found.append(kind)
         return np.array(found, np.int8)
 
-    grid = frame.document.get("bdffpq:grid")
-    size = (int(grid[0]), int(grid[1])) if isinstance(grid, list) and len(grid) == 2 else None
-    pattern = Pattern.from_faces(frame.faces_vertices, len(frame.vertices_coords), types, size)
+    pattern = Pattern.from_faces(frame.faces_vertices, len(frame.vertices_coords), types)
+    if (grid := frame.document.get("bdffpq:grid")) is not None:
+        pattern = replace(pattern, grid=_grid(grid, pattern))
     unit, title = frame.document.get("frame_unit", "unit"), frame.document.get("file_title", "design")
     return Design(pattern, frame.vertices_coords, str(unit), str(title))
+
+
+def _grid(grid: Any, pattern: Pattern) -> tuple[int, int]:
+    """The size that a file claims, if its facets are numbered as the format says."""
+    if not (isinstance(grid, list) and len(grid) == 2 and all(type(k) is int and k > 0 for k in grid)):
+        raise InputError(f"bdffpq:grid is {grid!r}: two positive whole numbers [m, n] are needed")
+    m, n = grid
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))
+    there = (i + 1) % m if pattern.n_holes else i + 1
+    expected = np.stack([i * (n + 1) + j, there * (n + 1) + j, there * (n + 1) + j + 1, i * (n + 1) + j + 1], axis=1)
+    if len(pattern.faces_vertices) != m * n or not all(
+        set(face) == set(wanted) for face, wanted in zip(pattern.faces_vertices, expected.tolist(), strict=True)
+    ):
+        raise InputError(
+            f"bdffpq:grid is [{m}, {n}], but the facets are not those of such a grid",
+            hint="Number vertices (i, j) -> i (n+1) + j and facets (i, j) -> i n + j, or leave the key out.",
+        )
+    return m, n
 
 
 def _flat_frame(design: Design, title: str, t: float) -> dict[str, Any]:

@@ -55,9 +55,9 @@ def read_frame(path: Path) -> FoldFrame:
     try:
         document = json.loads(text)
     except json.JSONDecodeError as error:
-        raise InputError(
-            f"this is not JSON: {error.msg}", where=f"{path}:{error.lineno}:{error.colno}"
-        ) from None
+        raise InputError(f"this is not JSON: {error.msg}", where=f"{path}:{error.lineno}:{error.colno}") from None
+    except ValueError as error:  # a number with thousands of digits
+        raise InputError(f"this is not JSON that can be read: {error}", where=str(path)) from None
     except RecursionError:
         raise InputError("the JSON is nested too deeply", where=str(path)) from None
     if not isinstance(document, dict):
@@ -83,7 +83,9 @@ def frame_of(document: dict[str, Any], where: str = "design") -> FoldFrame:
         raise InputError("faces_vertices must be a list of facets", where=where)
     for f, face in enumerate(faces):
         if not isinstance(face, list) or not all(_is_index(v, n_vertices) for v in face):
-            raise InputError(f"faces_vertices[{f}] is {face!r}: vertex numbers below {n_vertices} are needed", where=where)
+            raise InputError(
+                f"faces_vertices[{f}] is {face!r}: vertex numbers below {n_vertices} are needed", where=where
+            )
     bad = (edges < 0) | (edges >= n_vertices)
     if bad.any():
         raise InputError(f"edges_vertices[{np.argmax(bad.any(axis=1))}] names a vertex that is not there", where=where)

@@ -151,7 +151,7 @@ def _levels(tree: IntArray) -> list[tuple[IntArray, IntArray, IntArray]]:
     for face, parent, _ in tree[1:].tolist():
         depth[face] = depth[parent] + 1
     row_depth = depth[tree[:, 0]]
-    return [tuple(tree[row_depth == d].T) for d in range(1, int(row_depth.max(initial=0)) + 1)]  # type: ignore[misc]
+    return [tuple(tree[row_depth == d].T) for d in range(1, int(row_depth.max(initial=0)) + 1)]
 
 
 def _apply(rotation: FloatArray, vectors: FloatArray) -> FloatArray:

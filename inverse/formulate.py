@@ -13,12 +13,11 @@ from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
 from inverse.model import Constraint, DesignModel, Objective
 from inverse.objectives import Goal
-from inverse.pattern import Design
+from inverse.pattern import Design, FloatArray
 from inverse.spec import BetweenTarget as BetweenKeys
-from inverse.spec import FilePattern, GridPattern, Loaded
+from inverse.spec import FilePattern, Loaded
 from inverse.spec import HeightTarget as HeightKeys
 from inverse.target import Target
-
 
 T = TypeVar("T")
 
@@ -99,9 +98,8 @@ def build_seed(loaded: Loaded, target: Target) -> Design:
         seed = fold_file.read(loaded.folder / pattern.file)
         seed = Design(seed.pattern, seed.vertices_coords, unit, name)
         return seed if pattern.keep_position else placement.place_file(seed, target.frame, pattern.turn)
-    assert isinstance(pattern, GridPattern)
 
-    def make(lengths_u: np.ndarray, lengths_v: np.ndarray) -> Design:
+    def make(lengths_u: FloatArray, lengths_v: FloatArray) -> Design:
         return seeds.grid(
             pattern.size, pattern.u_lines, pattern.v_lines,
             sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state,

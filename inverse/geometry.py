@@ -23,7 +23,7 @@ def facet_centroids(pattern: Pattern, points: FloatArray) -> FloatArray:
     face, _, vertex, _ = pattern.corners.T
     total = np.zeros((len(pattern.faces_vertices), 3))
     np.add.at(total, face, points[vertex])
-    return total / np.bincount(face)[:, None]
+    return np.asarray(total / np.bincount(face)[:, None])
 
 
 def facet_normals(pattern: Pattern, points: FloatArray) -> FloatArray:
@@ -32,7 +32,7 @@ def facet_normals(pattern: Pattern, points: FloatArray) -> FloatArray:
     origin = points[[f[0] for f in pattern.faces_vertices]][face]
     total = np.zeros((len(pattern.faces_vertices), 3))
     np.add.at(total, face, np.cross(points[vertex] - origin, points[following] - origin))
-    return total / np.linalg.norm(total, axis=1, keepdims=True)
+    return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
 
 def sector_angles(pattern: Pattern, points: FloatArray) -> FloatArray:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi
 import numpy as np
@@ -15,7 +16,7 @@ from inverse.pattern import FloatArray
 # Measured on domes and vaults of 16 x 16 to 32 x 32 facets. METIS ordering and the adaptive barrier make most of
 # the difference. Static pivoting (mumps_pivtol 0) was faster per iteration, but its inexact steps ended short of
 # the tolerance on every third design. The objective is scaled by us, not by IPOPT.
-OPTIONS = {
+OPTIONS: dict[str, Any] = {
     "print_level": 0,
     "sb": "yes",
     "linear_solver": "mumps",
@@ -31,7 +32,7 @@ OPTIONS = {
     "obj_scaling_factor": 1000.0,
 }
 
-WARM_START = {
+WARM_START: dict[str, Any] = {
     "warm_start_init_point": "yes",
     "warm_start_bound_push": 1e-9,
     "warm_start_slack_bound_push": 1e-9,
@@ -101,10 +102,17 @@ class _Watch(casadi.Callback):
         return str(casadi.nlpsol_out(i))
 
     def get_sparsity_in(self, i: int) -> casadi.Sparsity:
-        sizes = {"f": 1, "x": self._n, "lam_x": self._n, "g": self._rows, "lam_g": self._rows, "lam_p": self._n_parameters}
+        sizes = {
+            "f": 1,
+            "x": self._n,
+            "lam_x": self._n,
+            "g": self._rows,
+            "lam_g": self._rows,
+            "lam_p": self._n_parameters,
+        }
         return casadi.Sparsity.dense(sizes[casadi.nlpsol_out(i)], 1)
 
-    def eval(self, arguments: list[casadi.DM]) -> list[int]:
+    def eval(self, arguments: Sequence[casadi.DM]) -> list[int]:
         values = {casadi.nlpsol_out(i): a for i, a in enumerate(arguments)}
         rows = np.asarray(values["g"]).ravel()
         violation = float(np.maximum(np.maximum(self._lower - rows, rows - self._upper), 0).max(initial=0.0))
@@ -121,18 +129,20 @@ class _Watch(casadi.Callback):
 class Solver:
     """IPOPT on one problem; parameters change between runs without building anew."""
 
-    def __init__(self, problem: Problem, tolerance: float, max_iterations: int, report: Callable[[Progress], bool]) -> None:
+    def __init__(
+        self, problem: Problem, tolerance: float, max_iterations: int, report: Callable[[Progress], bool]
+    ) -> None:
         self._problem = problem
         self._watch = _Watch(problem, problem.parameters().size, report)
         functions = problem.functions
-        limits = {
+        limits: dict[str, Any] = {
             "tol": tolerance,
             "constr_viol_tol": tolerance,
             "compl_inf_tol": tolerance,
             "acceptable_iter": 0,
             "max_iter": max_iterations,
         }
-        common = {
+        common: dict[str, Any] = {
             "print_time": False,
             "calc_lam_p": False,
             "calc_lam_x": False,
@@ -154,10 +164,10 @@ class Solver:
         """
         began = time.perf_counter()
         self._watch.error, self._watch.count = None, 0
-        warm = multipliers is not None
-        solver = self._solvers[warm]
-        given = {"lam_g0": multipliers} if warm else {}
-        out = solver(x0=start, p=parameters, lbg=self._problem.lower, ubg=self._problem.upper, **given)
+        solver = self._solvers[multipliers is not None]
+        first = np.zeros(self._problem.n_rows) if multipliers is None else multipliers
+        lower, upper = self._problem.lower, self._problem.upper
+        out = solver(x0=start, p=parameters, lbg=lower, ubg=upper, lam_g0=first)
         if self._watch.error is not None:
             raise self._watch.error
         stats = solver.stats()

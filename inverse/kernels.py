@@ -111,9 +111,7 @@ def scatter(values: casadi.MX, rows: IntArray, columns: IntArray, shape: tuple[i
     """
     key = columns * shape[0] + rows  # column-major, as CasADi orders nonzeros
     unique, place = np.unique(key, return_inverse=True)
-    pattern = casadi.Sparsity.triplet(
-        shape[0], shape[1], (unique % shape[0]).tolist(), (unique // shape[0]).tolist()
-    )
+    pattern = casadi.Sparsity.triplet(shape[0], shape[1], (unique % shape[0]).tolist(), (unique // shape[0]).tolist())
     k = len(key)
     summing = casadi.Sparsity.triplet(len(unique), k, place.tolist(), list(range(k)))
     return casadi.MX(pattern, casadi.mtimes(casadi.DM(summing, np.ones(k)), values))

@@ -9,7 +9,6 @@ from typing import Literal
 import casadi
 import numpy as np
 
-from inverse import geometry
 from inverse.errors import InputError
 from inverse.kernels import Elements, Kernel
 from inverse.model import DesignModel, Objective
@@ -53,7 +52,9 @@ class Term:
 OBJECTIVES: dict[str, Term] = {}
 
 
-def objective(name: str, default_weight: float = 0.0) -> Callable[[Callable[[Goal], list[Elements]]], Callable[[Goal], list[Elements]]]:
+def objective(
+    name: str, default_weight: float = 0.0
+) -> Callable[[Callable[[Goal], list[Elements]]], Callable[[Goal], list[Elements]]]:
     """Register an objective under a name that specifications may use.
 
     Args:
@@ -125,20 +126,18 @@ def mean_points(points: FloatArray, groups: list[IntArray]) -> FloatArray:
 @objective("fit", default_weight=1.0)
 def fit(goal: Goal) -> list[Elements]:
     """Distance of the fitted points from the target: exact for smooth targets, else from tangent planes."""
-    model, blocks = goal.model, []
+    model = goal.model
+    blocks: list[Elements] = []
     for group in fit_vertices(model, goal.fit_points):
         k = group.shape[1]
         name = "fit" if not blocks else f"fit_{k}"
-        scale, centre = model.scale, model.centre
 
-        def mean(q: casadi.SX, k: int = k) -> casadi.SX:
-            return casadi.sum2(casadi.reshape(q, 3, k)) / k
+        def exact(q: casadi.SX, _: casadi.SX, k: int = k) -> casadi.SX:
+            distance = goal.target.residual(_mean(q, k) * model.scale + model.centre)
+            return casadi.SX(distance / model.scale)
 
-        def exact(q: casadi.SX, _: casadi.SX, mean: Callable[[casadi.SX], casadi.SX] = mean) -> casadi.SX:
-            return goal.target.residual(mean(q) * scale + centre) / scale
-
-        def to_foot(q: casadi.SX, p: casadi.SX, mean: Callable[[casadi.SX], casadi.SX] = mean) -> casadi.SX:
-            return casadi.reshape(p[3:], 3, 3) @ (mean(q) - p[:3])
+        def to_foot(q: casadi.SX, p: casadi.SX, k: int = k) -> casadi.SX:
+            return casadi.reshape(p[3:], 3, 3) @ (_mean(q, k) - p[:3])
 
         variables = model.variables_of(group)
         if goal.is_exact:
@@ -176,13 +175,13 @@ def coverage(goal: Goal) -> list[Elements]:
     pattern = model.pattern
     rim = np.unique(pattern.edges_faces[pattern.edges_type == B, 0])
     plan = goal.target.frame.axes[:2]
-    blocks = []
+    blocks: list[Elements] = []
     for sides in sorted({len(pattern.faces_vertices[f]) for f in rim}):
         group = np.array([pattern.faces_vertices[f] for f in rim if len(pattern.faces_vertices[f]) == sides], np.int64)
         places = model.seed_points[group].mean(axis=1) @ plan.T
 
         def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
-            offset = casadi.DM(plan) @ (casadi.sum2(casadi.reshape(q, 3, k)) / k) - p
+            offset = casadi.DM(plan) @ _mean(q, k) - p
             beyond = casadi.fmax(0, casadi.sumsqr(offset) - SLACK**2) / (2 * SLACK)
             return casadi.vertcat(WEAK * offset, STRONG * beyond)
 
@@ -198,13 +197,16 @@ def fairness(goal: Goal) -> list[Elements]:
     Every second vertex, because a corrugation moves its two layers apart: each layer by itself is to be even.
     """
     model = goal.model
-    triples = [
-        (line[k - 2], line[k], line[k + 2]) for line in model.pattern.lines for k in range(2, len(line) - 2)
-    ]
+    triples = [(line[k - 2], line[k], line[k + 2]) for line in model.pattern.lines for k in range(2, len(line) - 2)]
     vertices = np.array(triples, np.int64).reshape(-1, 3)
     a, b, c = model.seed_points[vertices].transpose(1, 0, 2)
     kernel = Kernel("fairness", lambda q, p: q[:3] - 2 * q[3:6] + q[6:] - p, 9, 3)
     return [Elements("fairness", kernel, model.variables_of(vertices), a - 2 * b + c)] if triples else []
+
+
+def _mean(q: casadi.SX, k: int) -> casadi.SX:
+    """Mean of k points given one after the other."""
+    return casadi.SX(casadi.sum2(casadi.reshape(q, 3, k)) / k)
 
 
 def build(goal: Goal, weights: dict[str, float]) -> list[Objective]:

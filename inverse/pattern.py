@@ -231,8 +231,9 @@ def _corners(faces: tuple[tuple[int, ...], ...], n_vertices: int) -> IntArray:
     lengths = np.array([len(face) for face in faces])
     vertex = np.fromiter((v for face in faces for v in face), np.int64, int(lengths.sum()))
     unused = np.setdiff1d(np.arange(n_vertices), vertex)
-    if vertex.min() < 0 or vertex.max() >= n_vertices:
-        raise InputError(f"a facet names vertex {vertex.max()}, but there are {n_vertices} vertices, numbered from 0")
+    outside = vertex[(vertex < 0) | (vertex >= n_vertices)]
+    if len(outside):
+        raise InputError(f"a facet names vertex {outside[0]}, but there are {n_vertices} vertices, numbered from 0")
     if len(unused):
         raise InputError(f"vertex {unused[0]} belongs to no facet")
     starts = np.cumsum(lengths) - lengths
@@ -286,11 +287,14 @@ def _rings(
     for vertex, fan in enumerate(fans):
         starts = set(fan) - {previous for _, previous in fan.values()}
         at = min(starts) if starts else min(fan)
-        ring, faces = [], []
+        ring: list[int] = []
+        faces: list[int] = []
         while at in fan and len(ring) < len(fan):
             ring.append(at)
             face, at = fan[at]
             faces.append(face)
+            if at == ring[0]:
+                break
         if len(ring) < len(fan) or (len(starts) > 1) or (not starts and at != ring[0]):
             raise InputError(f"the facets around vertex {vertex} do not form one fan: the surface touches itself there")
         if on_boundary[vertex]:

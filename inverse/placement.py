@@ -20,7 +20,7 @@ def drifts(pattern: Pattern, points: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def place_grid(
-    make: Callable[[Sequence[float], Sequence[float]], Design],
+    make: Callable[[FloatArray, FloatArray], Design],
     size: tuple[int, int],
     frame: Frame,
     *,
@@ -42,11 +42,13 @@ def place_grid(
         The placed seed.
     """
     extent = start_size or (frame.extent if turn == 0 else frame.extent[::-1])
-    given = [np.asarray(one if one is not None else np.ones(k)) for one, k in zip(lengths, size, strict=True)]
-    seed = make(*given)
+    along_u, along_v = (
+        np.ones(k) if one is None else np.asarray(one, np.float64) for one, k in zip(lengths, size, strict=True)
+    )
+    seed = make(along_u, along_v)
     reached = [np.linalg.norm(d) for d in drifts(seed.pattern, seed.vertices_coords)]
     factors = [wanted / have for wanted, have in zip(extent, reached, strict=True)]
-    seed = make(given[0] * factors[0], given[1] * factors[1])
+    seed = make(along_u * factors[0], along_v * factors[1])
     return seed.moved_to(placed(seed, frame, turn))
 
 

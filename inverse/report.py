@@ -81,7 +81,9 @@ def write(result: Result, loaded: Loaded, context: Context | None, folder: Path)
         report["seconds"] = {**report["seconds"], "pictures": time.perf_counter() - began}
         _write_json(folder / "report.json", report)
     except OSError as error:
-        raise InputError(f"the results cannot be written: {error}", where=str(folder), hint="Choose another -o.") from None
+        raise InputError(
+            f"the results cannot be written: {error}", where=str(folder), hint="Choose another -o."
+        ) from None
     return notes
 
 

@@ -42,7 +42,7 @@ def grid_pattern(size: tuple[int, int], u_lines: Word = "FL", v_lines: Word = "F
         (i0, j0), (i1, _) = (np.divmod(edges[:, k], n + 1) for k in (0, 1))
         u_type = np.r_[0, u_types, 0][i0]
         v_type = np.r_[0, v_types, 0][j0]
-        return np.where(i0 == i1, u_type, v_type).astype(np.int8)
+        return np.asarray(np.where(i0 == i1, u_type, v_type), np.int8)
 
     return Pattern.from_faces(faces.tolist(), (m + 1) * (n + 1), types, grid=(m, n))
 
@@ -54,8 +54,8 @@ def grid(
     *,
     sector_angle: float = np.pi / 3,
     fold_state: float = 0.5,
-    lengths_u: Sequence[float] | None = None,
-    lengths_v: Sequence[float] | None = None,
+    lengths_u: Sequence[float] | FloatArray | None = None,
+    lengths_v: Sequence[float] | FloatArray | None = None,
     unit: str = "m",
     name: str = "seed",
 ) -> Design:
@@ -89,13 +89,19 @@ def grid(
 
     # Two readings of the words give a mesh: FL flips (a, m) or FL flips (n, b). The first is kept unless its two
     # drifts are nearly parallel, in which case the sheet has no extent in one direction, or it doubles back.
+    # They are compared in a reference state, so that the choice does not depend on the fold state.
+    reference = _directions(np.pi / 3, 0.5)
     readings = []
     for fl_flips_a in (True, False):
         n_sign, a_sign = _signs(u_is_fl != fl_flips_a), _signs(u_is_fl == fl_flips_a)
         b_sign, m_sign = _signs(v_is_fl != fl_flips_a), _signs(v_is_fl == fl_flips_a)
-        u = along_u[:, None] * np.stack([n_sign * s, a_sign * c, 0 * n_sign], axis=1)
-        v = along_v[:, None] * np.stack([0 * b_sign, b_sign * d, m_sign * w], axis=1)
-        readings.append((float(np.linalg.norm(np.cross(u.sum(axis=0), v.sum(axis=0)))), u, v))
+        steps = []
+        for x, y, p, q in (reference, (s, c, d, w)):
+            u = along_u[:, None] * np.stack([n_sign * x, a_sign * y, 0 * n_sign], axis=1)
+            v = along_v[:, None] * np.stack([0 * b_sign, b_sign * p, m_sign * q], axis=1)
+            steps.append((u, v))
+        area = float(np.linalg.norm(np.cross(steps[0][0].sum(axis=0), steps[0][1].sum(axis=0))))
+        readings.append((area, *steps[1]))
     if readings[0][0] < 0.25 * readings[1][0]:
         readings.reverse()
     refusals = []
@@ -126,7 +132,7 @@ def tube(
     *,
     sector_angle: float = np.pi / 3,
     fold_state: float = 0.5,
-    lengths: Sequence[float] | None = None,
+    lengths: Sequence[float] | FloatArray | None = None,
     unit: str = "m",
     name: str = "tube",
 ) -> Design:
@@ -146,8 +152,17 @@ def tube(
         InputError: the section does not close at every fold state (the message gives the missing lengths),
             or two steps differ in both signs or in none.
     """
-    steps = [SectionStep(int(n), int(a), float(length)) for n, a, length in section]
+    if n_rows < 1:
+        raise InputError(f"the tube has {n_rows} rows: at least 1 is needed")
+    steps = [SectionStep(n, a, float(length)) for n, a, length in section]
     k = len(steps)
+    if k < 3:
+        raise InputError(f"the section has {k} steps: at least 3 are needed to close")
+    for step in steps:
+        if abs(step.n) != 1 or abs(step.a) != 1 or not (np.isfinite(step.length) and step.length > 0):
+            raise InputError(
+                f"section step ({step.n}, {step.a}, {step.length:g}): the signs must be 1 or -1, the length positive"
+            )
     missing = sum(x.n * x.length for x in steps), sum(x.a * x.length for x in steps)
     if max(map(abs, missing)) > 1e-12 * sum(x.length for x in steps):
         raise InputError(
@@ -174,7 +189,7 @@ def tube(
 
     def edge_types(edges: IntArray) -> np.ndarray:
         column = edges // (n_rows + 1)
-        return np.where(column[:, 0] == column[:, 1], np.array(types)[column[:, 0]], FL).astype(np.int8)
+        return np.asarray(np.where(column[:, 0] == column[:, 1], np.array(types)[column[:, 0]], FL), np.int8)
 
     pattern = Pattern.from_faces(faces.tolist(), k * (n_rows + 1), edge_types, grid=(k, n_rows))
     return Design(pattern, points, unit, name)
@@ -192,7 +207,9 @@ def _word(word: Word, count: int, name: str) -> list[int]:
     known = [word] if isinstance(word, str) else words
     for given in known:
         if given not in _TYPES:
-            raise InputError(f"{name} has the word {given!r}: a line is 'FL' (foldline) or 'CFL' (complementary foldline)")
+            raise InputError(
+                f"{name} has the word {given!r}: a line is 'FL' (foldline) or 'CFL' (complementary foldline)"
+            )
     if len(words) != count:
         raise InputError(
             f"{name} has {len(words)} words, but there are {count} interior lines",
@@ -201,7 +218,7 @@ def _word(word: Word, count: int, name: str) -> list[int]:
     return [_TYPES[w] for w in words]
 
 
-def _lengths(lengths: Sequence[float] | None, count: int, name: str) -> FloatArray:
+def _lengths(lengths: Sequence[float] | FloatArray | None, count: int, name: str) -> FloatArray:
     if lengths is None:
         return np.ones(count)
     values = np.asarray(lengths, np.float64)

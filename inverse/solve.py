@@ -114,12 +114,18 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
 
 
 def _status(
-    converged: bool, certificate: Certificate, interrupted: bool, judgement: dict[str, Any], attempts: list[dict[str, Any]]
+    converged: bool,
+    certificate: Certificate,
+    interrupted: bool,
+    judgement: dict[str, Any],
+    attempts: list[dict[str, Any]],
 ) -> str:
     if converged and certificate.certified:
         return "certified and converged"
     failed = [check.sentence for check in certificate.checks.values() if not check.passed] + list(judgement["failed"])
-    start = "interrupted, the best design so far was kept" if interrupted else f"IPOPT ended with {attempts[-1]['ended']}"
+    start = (
+        "interrupted, the best design so far was kept" if interrupted else f"IPOPT ended with {attempts[-1]['ended']}"
+    )
     advice = (
         "Let it run on, or raise solver.time_limit_s." if interrupted
         else "Loosen the bounds or anchors, turn the pattern (pattern.turn), or take more facets."

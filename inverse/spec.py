@@ -113,10 +113,7 @@ class Anchor(Model):
         | None
     ) = Field(default=None, description="side whose vertices are held: u0, u1, v0, v1 or ends")
     vertices: (
-        Annotated[
-            tuple[Annotated[Integer, Field(ge=0)], ...], Field(min_length=1), AfterValidator(_different)
-        ]
-        | None
+        Annotated[tuple[Annotated[Integer, Field(ge=0)], ...], Field(min_length=1), AfterValidator(_different)] | None
     ) = Field(default=None, description="numbers of the vertices that are held, counted from 0")
     every: Annotated[Integer, Field(ge=1)] = Field(
         default=1, description="1 to hold all of them, 2 to hold every second, and so on"
@@ -167,19 +164,15 @@ class Solver(Model):
     tolerance: Annotated[Number, Field(ge=1e-14, le=1e-3)] = Field(
         default=1e-9, description="the solver's tolerance, from 1e-14 to 1e-3"
     )
-    max_iterations: Annotated[Integer, Field(ge=1)] = Field(
-        default=500, description="largest number of iterations"
-    )
-    time_limit_s: Positive | None = Field(
-        default=None, description="time limit in seconds, none if not given"
-    )
+    max_iterations: Annotated[Integer, Field(ge=1)] = Field(default=500, description="largest number of iterations")
+    time_limit_s: Positive | None = Field(default=None, description="time limit in seconds, none if not given")
 
 
 class Specification(Model):
     """One design task: a pattern to start from, a target to reach and what must hold on the way."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_]([A-Za-z0-9_ -]*[A-Za-z0-9_-])?$", max_length=100)] = (
-        Field(description="letters, digits, _, - and spaces within; the folder of the results is named so")
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_]([A-Za-z0-9_ -]*[A-Za-z0-9_-])?$", max_length=100)] = Field(
+        description="letters, digits, _, - and spaces within; the folder of the results is named so"
     )
     units: Annotated[
         Literal["unit", "m", "cm", "mm", "um", "nm", "in"],

@@ -15,9 +15,7 @@ def _tag_of_line_types(value: Any) -> str:
     return "<words>" if isinstance(value, list | tuple) else "<word>"
 
 
-LineType = Annotated[
-    Literal["FL", "CFL"], word("line type", {"FL": "foldline", "CFL": "complementary foldline"})
-]
+LineType = Annotated[Literal["FL", "CFL"], word("line type", {"FL": "foldline", "CFL": "complementary foldline"})]
 LineTypes = Annotated[
     Annotated[LineType, Tag("<word>")] | Annotated[tuple[LineType, ...], Tag("<words>")],
     Discriminator(_tag_of_line_types),

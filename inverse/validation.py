@@ -95,9 +95,7 @@ def _error(fault: ErrorDetails, more: int, model: type[BaseModel], source: Sourc
     return source.error(path, message + (f" (and {more} more)" if more else ""), hint, at_key=at_key)
 
 
-def _walk(
-    model: type[BaseModel], steps: tuple[str | int, ...]
-) -> tuple[type[BaseModel] | None, FieldInfo | None]:
+def _walk(model: type[BaseModel], steps: tuple[str | int, ...]) -> tuple[type[BaseModel] | None, FieldInfo | None]:
     """The model at a place in the data, if there is one, and the last field on the way to it."""
     here: dict[str, type[BaseModel]] = {"": model}
     field: FieldInfo | None = None

@@ -28,9 +28,7 @@ class Source:
         self._lines = None if text is None else LINE_BREAK.split(text)
         self._places: dict[KeyPath, Place] = {}
 
-    def error(
-        self, path: KeyPath, message: str, hint: str | None = None, *, at_key: bool = False
-    ) -> InputError:
+    def error(self, path: KeyPath, message: str, hint: str | None = None, *, at_key: bool = False) -> InputError:
         """A refusal that points at a value; it is returned, not raised.
 
         Args:
@@ -110,9 +108,7 @@ def read(path: Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], Sou
     source = Source(str(path), text)
     data = parse(text, source._error_at, source._places)
     if data is None:
-        raise InputError(
-            "the file is empty", where=str(path), hint="It must hold a mapping of keys to values."
-        )
+        raise InputError("the file is empty", where=str(path), hint="It must hold a mapping of keys to values.")
     if not isinstance(data, dict):
         hint = "Write one `key: value` per line."
         raise source.error((), "the file must hold a mapping of keys to values at its top level", hint)
@@ -157,9 +153,7 @@ def _read_text(path: Path) -> str:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"the file cannot be read: {reason}", where=where) from None
     if len(content) > MAX_BYTES:
-        raise InputError(
-            f"the file is larger than {MAX_BYTES // 10**6} MB: this is no specification", where=where
-        )
+        raise InputError(f"the file is larger than {MAX_BYTES // 10**6} MB: this is no specification", where=where)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -112,3 +112,35 @@ def moved(doc: dict[str, Any], rotation: np.ndarray, shift: np.ndarray, scale: f
     for frame in doc["file_frames"]:
         frame["vertices_coords"] = (scale * np.array(frame["vertices_coords"])).tolist()
     return doc
+
+
+def _conditions(design: Design, x: np.ndarray) -> np.ndarray:
+    """Residuals of the vertex conditions (6), (7) as cosines and of planarity as volumes."""
+    pattern, points = design.pattern, x.reshape(-1, 3)
+    spokes = points[pattern.ring_vertices] - points[pattern.interior_vertices][:, None]
+    spokes /= np.linalg.norm(spokes, axis=2, keepdims=True)
+    cosines = np.einsum("ikd,ikd->ik", spokes, np.roll(spokes, -1, axis=1))
+    opposite = np.where(pattern.is_miura_vertex, 1, -1)[:, None] * cosines[:, 2:]
+    quads = points[np.array(pattern.faces_vertices)]
+    volumes = np.linalg.det(quads[:, 1:] - quads[:, :1])
+    return np.concatenate([(cosines[:, :2] + opposite).ravel(), volumes])
+
+
+def generic(design: Design, amount: float, seed: int = 1) -> Design:
+    """A design without symmetry: all conditions of a disk hold, those of loops around holes do not.
+
+    The given one moved in a random direction, then brought back by Newton steps of least norm.
+    """
+    x = design.vertices_coords.ravel()
+    x = x + amount * np.random.default_rng(seed).normal(size=x.size)
+    step = 1e-6
+    for _ in range(30):
+        residual = _conditions(design, x)
+        if np.abs(residual).max() < 1e-15:
+            break
+        columns = [
+            (_conditions(design, x + step * e) - _conditions(design, x - step * e)) / (2 * step)
+            for e in np.eye(x.size)
+        ]
+        x = x - np.linalg.lstsq(np.stack(columns, axis=1), residual, rcond=1e-7)[0]
+    return design.moved_to(x.reshape(-1, 3))

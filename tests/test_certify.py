@@ -16,6 +16,8 @@ from certify_cases import (
     edge_index,
     failures,
     frame_of,
+    generic,
+    relabelled,
     verdict,
     without_facets,
 )
@@ -43,6 +45,14 @@ def test_seeds_are_certified_to_rounding(name, tmp_path):
     assert max(certificate.checks[check].value for check in RESIDUALS) < 1e-14
     assert certificate.topology == SEEDS[name].pattern.topology
     assert certificate.free_range == (0.0, 180.0)
+
+
+@pytest.mark.parametrize("words", [("FL", "FL"), ("CFL", "FL"), ("FL", ["FL", "CFL", "CFL", "FL"])])
+def test_designs_without_symmetry_are_certified(words, tmp_path):
+    design = generic(seeds.grid((4, 5), *words), 0.05)
+    certificate = verdict(fold_file.document(design), tmp_path)
+    assert certificate.certified, certificate.faults
+    assert max(certificate.checks[check].value for check in RESIDUALS) < 1e-13
 
 
 def test_document_is_the_contracts(tmp_path):
@@ -87,10 +97,7 @@ def test_fold_angles_and_motion_agree_with_the_folding_module(name, tmp_path):
     structure = examine(read_frame(tmp_path / "design.fold"))
     mesh = structure.mesh
     motion = Motion(mesh, structure.points, structure.types, *structure.halves)
-    angle = {
-        frozenset(e): 2 * np.arctan2(s, c)
-        for e, s, c in zip(mesh.edges.tolist(), *structure.halves, strict=True)
-    }
+    angle = {frozenset(e): 2 * np.arctan2(s, c) for e, s, c in zip(mesh.edges.tolist(), *structure.halves, strict=True)}
     for edge, rho in zip(
         design.pattern.edges_vertices.tolist(),
         geometry.fold_angles(design.pattern, design.vertices_coords),
@@ -206,9 +213,7 @@ def _raw(points, faces, types):
     return {
         "vertices_coords": points.tolist(),
         "edges_vertices": mesh.edges.tolist(),
-        "edges_assignment": [
-            "B" if k == "B" else "V" if r > 0 else "M" for k, r in zip(kind, rho, strict=True)
-        ],
+        "edges_assignment": ["B" if k == "B" else "V" if r > 0 else "M" for k, r in zip(kind, rho, strict=True)],
         "edges_foldAngle": rho.tolist(),
         "faces_vertices": [list(face) for face in faces],
         "bdffpq:edges_type": kind,
@@ -219,10 +224,17 @@ def _raw(points, faces, types):
     ("fold_state", "passes"), [(0.9998, False), (0.999, True), (0.5, True), (0.0005, True), (0.00005, False)]
 )
 def test_a_nearly_flat_design_state_certifies_nothing(fold_state, passes, tmp_path):
-    # Some folds go to 0 where the fold state goes to 1, all others to 180 where it goes to 0.
+    # All folds of this seed go to 0 at both ends.
     certificate = verdict(fold_file.document(seeds.grid((3, 3), fold_state=fold_state)), tmp_path)
     assert failures(certificate) == (set() if passes else {"fold_angle"})
     assert (certificate.checks["fold_angle"].value >= 1) == passes
+
+
+@pytest.mark.parametrize(("degrees", "passes"), [(179.5, False), (178.5, True), (-178.5, True), (-179.5, False)])
+def test_a_nearly_closed_fold_certifies_nothing_either(degrees, passes, tmp_path):
+    certificate = verdict(_strip(np.radians(degrees), 2), tmp_path)
+    assert certificate.checks["fold_angle"].value == pytest.approx(180 - abs(degrees))
+    assert failures(certificate) == (set() if passes else {"fold_angle"})
 
 
 # Spoilt topology, types and claims: name of a seed, change of its document, what the fault says.
@@ -556,8 +568,9 @@ def test_strips_close_up_and_cross_the_cuts_once():
 def test_one_hinge_beside_a_hole_is_tied_by_the_strip_around_it():
     # The hinges between a hole and the outer rim meet no interior vertex.
     for words in (("FL", "FL"), ("CFL", "FL"), ("FL", "CFL")):
-        doc = without_facets(fold_file.document(seeds.grid((5, 5), *words)), {6}, [])
-        del doc["bdffpq:holes"]
+        design = generic(seeds.grid((4, 5), *words), 0.05)
+        doc = without_facets(fold_file.document(design), {6}, [])
+        doc = relabelled(doc, np.random.default_rng(1))
         structure = examine(frame_of(doc))
         motion = Motion(structure.mesh, structure.points, structure.types, *structure.halves)
         assert mobility.groups(structure.mesh)[0] == 5

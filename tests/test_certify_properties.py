@@ -57,9 +57,7 @@ def test_rigid_motions_and_scaling_change_nothing(name, make, scale, tmp_path):
 @pytest.mark.parametrize("seed", range(3))
 def test_numbering_changes_nothing(name, seed, tmp_path):
     rng = np.random.default_rng(seed)
-    _assert_same(
-        verdict(document(name), tmp_path), verdict(relabelled(document(name), rng), tmp_path), rel=1e-9
-    )
+    _assert_same(verdict(document(name), tmp_path), verdict(relabelled(document(name), rng), tmp_path), rel=1e-9)
 
 
 def test_numbering_does_not_change_the_verdict_on_a_tube_that_opens(tmp_path):
@@ -92,17 +90,14 @@ JSON = st.recursive(
 
 def _places(node, path=()):
     yield path
-    for key, inner in (
-        node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
-    ):
+    for key, inner in node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ():
         yield from _places(inner, (*path, key))
 
 
 SMALL = {name: document(name) for name in ("6-gon tube", "one hinge", "miura")}
 # Deep places far outnumber the others: choose a depth first.
 PLACES = {
-    name: {depth: [p for p in _places(doc) if len(p) == depth] for depth in range(1, 5)}
-    for name, doc in SMALL.items()
+    name: {depth: [p for p in _places(doc) if len(p) == depth] for depth in range(1, 5)} for name, doc in SMALL.items()
 }
 
 

@@ -60,9 +60,7 @@ def _fold_faults(structure: Structure, mesh: Mesh, frame: FoldFrame, rho: FloatA
         if word != "B" and is_folded and word != true_word:
             faults.append(f"{mesh.name(e)} is assigned {word}, but it is a {name}")
         if abs(angle - rho[e]) > ANGLE_TOLERANCE:
-            faults.append(
-                f"{mesh.name(e)} has a fold angle of {angle:.9g} degrees, but is folded by {rho[e]:.9g}"
-            )
+            faults.append(f"{mesh.name(e)} has a fold angle of {angle:.9g} degrees, but is folded by {rho[e]:.9g}")
     return faults
 
 
@@ -103,9 +101,7 @@ def _flat_frame_faults(
     return faults
 
 
-def _layout_faults(
-    mesh: Mesh, points: FloatArray, flat: FloatArray, signs: IntArray, title: str
-) -> list[str]:
+def _layout_faults(mesh: Mesh, points: FloatArray, flat: FloatArray, signs: IntArray, title: str) -> list[str]:
     """Facets congruent to those of the design state and turned over as the signs say fix a flat state."""
     if not np.ptp(flat[:, 2]) <= LENGTH_TOLERANCE:
         return [f"the {title} frame is not flat"]
@@ -136,9 +132,7 @@ def _flat_angle_faults(
         full = {"V": 180.0, "M": -180.0, "B": 0.0}[frame.edges_assignment[k]] if k >= 0 else 0.0
         wanted = full if structure.types[e] == folded else 0.0
         if k >= 0 and abs(given[k, 0] - wanted) > ANGLE_TOLERANCE:
-            return [
-                f"the {title} frame folds {mesh.name(e)} by {given[k, 0]:.9g} degrees: it must be {wanted:g}"
-            ]
+            return [f"the {title} frame folds {mesh.name(e)} by {given[k, 0]:.9g} degrees: it must be {wanted:g}"]
     return []
 
 
@@ -186,9 +180,7 @@ def _hole_faults(mesh: Mesh, claim: object) -> list[str]:
         steps = [crossed.get(pair) for pair in zip(strip, strip[1:] + strip[:1], strict=True)]
         if None in steps:
             broken = strip[steps.index(None)]
-            return [
-                f"bdffpq:holes[{hole}] is no closed strip: facet {broken} shares no edge with the next one"
-            ]
+            return [f"bdffpq:holes[{hole}] is no closed strip: facet {broken} shares no edge with the next one"]
         rows.append(sum(sign * windings[e] for e, sign in (step for step in steps if step is not None)))
     determinant = np.linalg.det(np.array(rows, np.float64))
     if not abs(abs(determinant) - 1) < 0.5:

@@ -205,9 +205,7 @@ def build_mesh(facets: Sequence[Sequence[int]], n_vertices: int) -> tuple[Mesh |
 
 def _pieces(mesh: Mesh) -> list[str]:
     count, labels = components(len(mesh.facets), mesh.sides[mesh.inner])
-    return [
-        f"facet {np.argmax(labels == k)} is not connected to facet 0 by shared edges" for k in range(1, count)
-    ]
+    return [f"facet {np.argmax(labels == k)} is not connected to facet 0 by shared edges" for k in range(1, count)]
 
 
 def _pinches(mesh: Mesh) -> list[str]:

@@ -171,10 +171,7 @@ def _types(mesh: Mesh, frame: FoldFrame, file_edge: IntArray) -> tuple[IntArray,
 def _ring_faults(mesh: Mesh, types: IntArray) -> list[str]:
     wrong = np.flatnonzero(mesh.degrees != 4)
     if len(wrong):
-        return [
-            f"interior vertex {mesh.interior_vertices[k]} has {mesh.degrees[k]} edges: 4 are needed"
-            for k in wrong
-        ]
+        return [f"interior vertex {mesh.interior_vertices[k]} has {mesh.degrees[k]} edges: 4 are needed" for k in wrong]
     around = types[mesh.edge_of[mesh.rings]]
     unequal = np.flatnonzero((around[:, :2] != around[:, 2:]).any(axis=1))
     return [

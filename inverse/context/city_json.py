@@ -39,9 +39,7 @@ def read_city_json(path: Path, origin: Sequence[float] | FloatArray | None = Non
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise InputError(
-            f"there is no file {path}", hint="it is looked up beside the specification"
-        ) from None
+        raise InputError(f"there is no file {path}", hint="it is looked up beside the specification") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot read {path}: {error}") from None
     start = None if origin is None else _point(origin, "origin")
@@ -61,9 +59,7 @@ def read_city_json(path: Path, origin: Sequence[float] | FloatArray | None = Non
     return _placed(buildings, translate, start, path.name)
 
 
-def _placed(
-    buildings: list[Building], translate: FloatArray, origin: FloatArray | None, name: str
-) -> Context:
+def _placed(buildings: list[Building], translate: FloatArray, origin: FloatArray | None, name: str) -> Context:
     """Moves the buildings from the file's own offset to the origin; the big numbers meet only each other."""
     points = np.concatenate([b.points for b in buildings])
     if np.max(np.ptp(points[:, :2], axis=0)) < 1.0:
@@ -92,14 +88,10 @@ def _documents(text: str, name: str) -> tuple[str, dict[str, Any], list[tuple[st
     parsed = [(f"{name}:{number}", _parsed(line, name, number)) for number, line in lines]
     where, header = parsed[0]
     if header.get("type") != "CityJSON":
-        raise InputError(
-            f'the first object must have "type": "CityJSON", not {header.get("type")!r}', where=where
-        )
+        raise InputError(f'the first object must have "type": "CityJSON", not {header.get("type")!r}', where=where)
     if header.get("version") not in VERSIONS:
         allowed = " or ".join(VERSIONS)
-        raise InputError(
-            f"CityJSON version {header.get('version')!r} cannot be read, only {allowed}", where=where
-        )
+        raise InputError(f"CityJSON version {header.get('version')!r} cannot be read, only {allowed}", where=where)
     for place, feature in parsed[1:]:
         if feature.get("type") != "CityJSONFeature":
             raise InputError(f'expected "type": "CityJSONFeature", not {feature.get("type")!r}', where=place)
@@ -133,7 +125,5 @@ def _transform(header: dict[str, Any], where: str) -> tuple[FloatArray, FloatArr
     transform = header.get("transform")
     if not isinstance(transform, dict):
         raise InputError('"transform" with "scale" and "translate" is missing', where=where)
-    scale, translate = (
-        _point(transform.get(key), f"transform.{key}", where) for key in ("scale", "translate")
-    )
+    scale, translate = (_point(transform.get(key), f"transform.{key}", where) for key in ("scale", "translate"))
     return scale, translate

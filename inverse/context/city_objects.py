@@ -71,13 +71,9 @@ def _surfaces(part: dict[str, Any], vertices: FloatArray) -> Iterator[Surface]:
         yield Surface("" if value is None else kinds[value], tuple(_ring(ring, vertices) for ring in rings))
 
 
-def _flat(
-    boundaries: list[Any], values: list[Any] | None, depth: int
-) -> Iterator[tuple[list[Any], int | None]]:
+def _flat(boundaries: list[Any], values: list[Any] | None, depth: int) -> Iterator[tuple[list[Any], int | None]]:
     """Surfaces as lists of rings, each with the index of its semantics or None."""
-    for boundary, value in zip(
-        boundaries, [None] * len(boundaries) if values is None else values, strict=True
-    ):
+    for boundary, value in zip(boundaries, [None] * len(boundaries) if values is None else values, strict=True):
         if depth:
             yield from _flat(boundary, value, depth - 1)
         else:
@@ -86,7 +82,5 @@ def _flat(
 
 def _ring(ring: list[Any], vertices: FloatArray) -> FloatArray:
     if len(ring) < 3 or not all(isinstance(k, int) and 0 <= k < len(vertices) for k in ring):
-        raise MalformedError(
-            f"a ring must be three or more vertex numbers from 0 to {len(vertices) - 1}, not {ring}"
-        )
+        raise MalformedError(f"a ring must be three or more vertex numbers from 0 to {len(vertices) - 1}, not {ring}")
     return np.asarray(vertices[ring])

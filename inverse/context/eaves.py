@@ -51,9 +51,7 @@ def eaves(building: Building, towards: ArrayLike, tolerance: float = 0.02) -> li
     return sorted(lines, key=lambda line: -_length(line))
 
 
-def facing_eaves(
-    context: Context, name_a: str, name_b: str, tolerance: float = 0.02
-) -> tuple[FloatArray, FloatArray]:
+def facing_eaves(context: Context, name_a: str, name_b: str, tolerance: float = 0.02) -> tuple[FloatArray, FloatArray]:
     """The two eaves at which two buildings face each other, trimmed to the stretch that both have.
 
     Of all pairs of eaves that look at each other the pair with the longest common stretch is taken. The

@@ -1,0 +1,7 @@
+"""Pictures of designs: 3D views as PNG, crease patterns as SVG. VTK is loaded in processes of its own."""
+
+from inverse.pictures.crease_pattern import crease_pattern_picture
+from inverse.pictures.design_state import design_picture
+from inverse.pictures.rendering import can_render
+
+__all__ = ["can_render", "crease_pattern_picture", "design_picture"]

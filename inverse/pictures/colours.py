@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from inverse.pattern import CFL, FL, FloatArray, Pattern, B
+from inverse.pattern import CFL, FL, B, FloatArray, Pattern
+
+Shades = tuple[str, str]  # the darkest and the brightest
 
 # Names of the edge kinds, in the order in which the legend lists them and the crease pattern draws them.
 EDGE_COLOURS = {
@@ -21,14 +23,14 @@ INK = "#2b2b2b"  # text
 FACET_EDGE = "#40342b"  # edges of a facet in the 3D pictures
 
 # Facets from darkest to brightest, as the light falls on them; the two sides of the surface differ.
-TOP_SIDE = ("#a9673c", "#fdf3de")
-UNDER_SIDE = ("#3f5468", "#b9c9d6")
+WARM: Shades = ("#b0744a", "#fdf3de")
+COOL: Shades = ("#41566a", "#b9c9d6")
 TARGET = ("#2f7fb5", "#8fc7ea")
 WALL = ("#a9a9a6", "#efefec")
-ROOF = ("#b07a66", "#eec7b4")
+ROOF = ("#a98272", "#e8cdbf")
 CONTEXT_EDGE = "#8d8d89"
 GROUND = ("#ffffff", "#f0f0ec")  # at the rim and in the middle
-SHADOW = "#d2d2cf"
+SHADOW = "#dcdcd8"
 
 
 def rgb(colour: str) -> NDArray[np.uint8]:
@@ -36,7 +38,7 @@ def rgb(colour: str) -> NDArray[np.uint8]:
     return np.frombuffer(bytes.fromhex(colour[1:]), np.uint8)
 
 
-def blend(colours: tuple[str, str], share: FloatArray) -> NDArray[np.uint8]:
+def blend(colours: Shades, share: FloatArray) -> NDArray[np.uint8]:
     """Colours, (N, 3) uint8, between the first (``share`` = 0) and the second (1) of a pair."""
     low, high = rgb(colours[0]).astype(np.float64), rgb(colours[1]).astype(np.float64)
     return np.rint(low + np.clip(share, 0, 1)[:, None] * (high - low)).astype(np.uint8)

@@ -54,7 +54,7 @@ def _document(design: Design) -> str:
     kinds = edge_kinds(design.pattern, geometry.fold_angles(design.pattern, design.vertices_coords))
     edge_length = float(np.median(geometry.edge_lengths(design.pattern, design.vertices_coords)))
     page = _page(sheets)
-    stroke = min(2.4, max(0.4, 0.04 * page.scale * edge_length))
+    stroke = min(2.4, max(0.9, 0.04 * page.scale * edge_length))
 
     svg = ET.Element(
         "svg", xmlns="http://www.w3.org/2000/svg", width=_px(page.width), height=_px(page.height),
@@ -117,31 +117,35 @@ def _draw(drawing: ET.Element, design: Design, sheets: list[Sheet], kinds: IntAr
 def _number_seams(svg: ET.Element, design: Design, sheets: list[Sheet], page: _Page, edge_px: float) -> None:
     """Equal small numbers on the two sides of every seam, on every edge or as many as stay legible."""
     pattern = design.pattern
-    number = _seam_numbers(design)
+    number = _seam_numbers(design, 1 if edge_px > 30 else math.ceil(80 / edge_px))
     if not number:
         return
     size = min(11.0, max(5.0, 0.2 * edge_px))
-    stride = 1 if edge_px > 30 else math.ceil(80 / edge_px)
     group = ET.SubElement(svg, "g", id="seams", fill=INK)
     group.set("font-size", _px(size))
     group.set("text-anchor", "middle")
     for sheet in sheets:
         facets = set(sheet.faces.tolist())
-        for edge in sheet.edges[pattern.edges_type[sheet.edges] == CFL].tolist():
-            if (number[edge] - 1) % stride:
+        for edge in sheet.edges.tolist():
+            if edge not in number:
                 continue
             face = next(f for f in pattern.edges_faces[edge].tolist() if f in facets)
             inside = sheet.place_of(np.array(pattern.faces_vertices[face])).mean(axis=0)
             _label(group, sheet.place_of(pattern.edges_vertices[edge]), inside, str(number[edge]), page, size)
 
 
-def _seam_numbers(design: Design) -> dict[int, int]:
-    """Numbers from 1 of the complementary foldlines' edges, running along each line."""
+def _seam_numbers(design: Design, stride: int) -> dict[int, int]:
+    """Numbers of every ``stride``-th edge of the complementary foldlines, counted from 1 along one line after another."""
     pattern = design.pattern
     edge_of = {frozenset(pair): k for k, pair in enumerate(pattern.edges_vertices.tolist())}
-    along = [edge_of[frozenset(pair)] for line in pattern.lines for pair in zip(line, line[1:], strict=False)]
-    seams = [edge for edge in along if pattern.edges_type[edge] == CFL]
-    return {edge: k for k, edge in enumerate(seams, start=1)}
+    numbers: dict[int, int] = {}
+    count = 0
+    for line in pattern.lines:
+        edges = [edge_of[frozenset(pair)] for pair in zip(line, line[1:], strict=False)]
+        if pattern.edges_type[edges[0]] == CFL:
+            numbers |= {edge: count + k + 1 for k, edge in enumerate(edges) if k % stride == 0}
+            count += len(edges)
+    return numbers
 
 
 def _label(group: ET.Element, ends: FloatArray, inside: FloatArray, text: str, page: _Page, size: float) -> None:

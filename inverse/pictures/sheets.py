@@ -65,9 +65,7 @@ def lay_out(design: Design) -> list[Sheet]:
     whole = np.concatenate(placed)
     if np.ptp(whole.imag) > np.ptp(whole.real):
         placed = [p * -1j for p in placed]
-    return [
-        Sheet(f, e, v, np.stack([p.real, p.imag], axis=1)) for (f, e, v), p in zip(parts, placed, strict=True)
-    ]
+    return [Sheet(f, e, v, np.stack([p.real, p.imag], axis=1)) for (f, e, v), p in zip(parts, placed, strict=True)]
 
 
 def _components(pattern: Pattern) -> IntArray:
@@ -105,13 +103,9 @@ class _Seam:
     other_chord: complex = 0j  # as the other one does
 
 
-def _seams(
-    pattern: Pattern, sheet_of: IntArray, plane: ComplexArray, upwards: NDArray[np.bool_]
-) -> list[list[_Seam]]:
+def _seams(pattern: Pattern, sheet_of: IntArray, plane: ComplexArray, upwards: NDArray[np.bool_]) -> list[list[_Seam]]:
     """The seams of every sheet."""
-    line_of = {
-        frozenset(pair): k for k, line in enumerate(pattern.lines) for pair in zip(line, line[1:], strict=False)
-    }
+    line_of = {frozenset(pair): k for k, line in enumerate(pattern.lines) for pair in zip(line, line[1:], strict=False)}
     found: list[dict[tuple[int, int], _Seam]] = [{} for _ in range(int(sheet_of.max()) + 1)]
     for edge in np.flatnonzero(pattern.edges_type == CFL).tolist():
         tail, head = pattern.edges_vertices[edge].tolist()
@@ -130,8 +124,8 @@ def _seams(
 def _arrange(seams: list[list[_Seam]]) -> tuple[list[complex], list[tuple[int, int]]]:
     """A turn (unit complex number) and a cell (column, row) for every sheet, breadth first from sheet 0.
 
-    A sheet goes to the side of the seam that joins it; then all are turned so that the chords of the seams between
-    neighbouring cells are as upright and level as they can be.
+    A sheet goes to the side of the seam that joins it; then all are turned so that the chords of their seams
+    are as upright (or as level) as they can be.
     """
     turns: list[complex] = [1.0 + 0j] * len(seams)
     cells: list[tuple[int, int]] = [(0, 0)] * len(seams)
@@ -151,13 +145,17 @@ def _arrange(seams: list[list[_Seam]]) -> tuple[list[complex], list[tuple[int, i
             taken.add((column, row))
             reached.add(seam.other)
             queue.append(seam.other)
+    # Chords across columns and across rows can be incompatible: the longer family of seams decides.
+    families: dict[bool, list[tuple[int, complex]]] = {True: [], False: []}
     for here, turn in enumerate(turns):
-        total = 0j
         for seam in seams[here]:
             step = complex(*cells[seam.other]) - complex(*cells[here])
             if step == _nearest_quarter(-1j * seam.chord * turn):
-                total += 1j * step * seam.chord.conjugate()
-        turns[here] = _unit(total) if total else turn
+                families[step.imag == 0].append((here, 1j * step * seam.chord.conjugate()))
+    totals = np.zeros(len(seams), complex)
+    for here, alignment in max(families.values(), key=lambda family: sum(abs(z) for _, z in family)):
+        totals[here] += alignment
+    turns = [_unit(complex(total)) if total else turn for total, turn in zip(totals, turns, strict=True)]
     return turns, cells
 
 

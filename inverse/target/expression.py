@@ -150,9 +150,7 @@ class _Parser:
             return self._call(start, token)
         if token.kind == "name":
             if token.text in FUNCTIONS:
-                raise self._error(
-                    token, "is a function and needs parentheses", f"For example {token.text}(x)."
-                )
+                raise self._error(token, "is a function and needs parentheses", f"For example {token.text}(x).")
             if token.text not in self.values:
                 raise self._misnomer(token, "no variable or constant", self.values)
             return self.values[token.text]
@@ -161,9 +159,7 @@ class _Parser:
             self._close(token)
             return value
         if token.kind == "end" and start > 0:
-            raise self._error(
-                self.tokens[start - 1], "is the end of the expression: something is missing after it"
-            )
+            raise self._error(self.tokens[start - 1], "is the end of the expression: something is missing after it")
         if token.kind == "unknown":
             raise self._unexpected(token)
         raise self._error(token, "stands where a number, a name or ( should be", _EXAMPLE)
@@ -217,12 +213,8 @@ class _Parser:
 
     def _misnomer(self, token: _Token, what: str, allowed: Iterable[str]) -> InputError:
         names = tuple(allowed)
-        return self._error(
-            token, f"is {what}: allowed are {', '.join(names)}.{did_you_mean(token.text, names)}"
-        )
+        return self._error(token, f"is {what}: allowed are {', '.join(names)}.{did_you_mean(token.text, names)}")
 
     def _error(self, token: _Token, what: str, hint: str | None = None) -> InputError:
         part = token.text if len(token.text) <= 40 else f"{token.text[:37]}..."
-        return InputError(
-            f"`{part}` at position {token.start + 1} of the height expression {what}", hint=hint
-        )
+        return InputError(f"`{part}` at position {token.start + 1} of the height expression {what}", hint=hint)

@@ -110,15 +110,14 @@ class MeshTarget(Target):
         y = np.cross(z, x)
         plan = (self._vertices - centre) @ np.stack([x, y], axis=1)
         turns = np.radians(np.arange(0.0, 90.0, 0.5))
-        best = None
+        best = (np.inf, np.eye(2), plan.min(axis=0), plan.max(axis=0))
         for turn in turns:
             rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
             turned = plan @ rotation
             low, high = turned.min(axis=0), turned.max(axis=0)
             area = float(np.prod(high - low))
-            if best is None or area < best[0] * (1 - 1e-9):
+            if area < best[0] * (1 - 1e-9):
                 best = (area, rotation, low, high)
-        assert best is not None
         _, rotation, low, high = best
         axes = np.vstack([rotation.T @ np.stack([x, y]), z])
         middle = (low + high) / 2
@@ -189,7 +188,9 @@ def _obj(path: Path) -> tuple[FloatArray, list[list[int]]]:
                 if len(index) < 3 or 0 in index:
                     raise ValueError
         except ValueError:
-            raise InputError(f"line {number} is no {'vertex' if words[0] == 'v' else 'facet'}: {line.strip()!r}") from None
+            raise InputError(
+                f"line {number} is no {'vertex' if words[0] == 'v' else 'facet'}: {line.strip()!r}"
+            ) from None
     if polygons and not all(0 <= k < len(vertices) for face in polygons for k in face):
         raise InputError("a facet of the target mesh names a vertex that is not there")
     if not polygons:
@@ -199,7 +200,12 @@ def _obj(path: Path) -> tuple[FloatArray, list[list[int]]]:
 
 def _triangulated(vertices: FloatArray, polygons: list[list[int]]) -> tuple[FloatArray, IntArray]:
     """Triangles as they are; a polygon of more sides, planar or not, around its centroid (no diagonal is preferred)."""
-    extra, triangles = [], []
+    used = np.unique(np.array([v for face in polygons for v in face], np.int64))
+    bad = used[~np.isfinite(vertices[used]).all(axis=1)]
+    if len(bad):
+        raise InputError(f"vertex {bad[0]} of the target mesh is not finite: {vertices[bad[0]].tolist()}")
+    extra: list[FloatArray] = []
+    triangles: list[list[int]] = []
     for face in polygons:
         if len(face) == 3:
             triangles.append(face)

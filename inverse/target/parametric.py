@@ -35,9 +35,7 @@ class ParametricTarget(Target):
         hessian, gradient = casadi.hessian(half_square, q)
         self._point = casadi.Function("point", [q], [s])
         self._slopes = casadi.Function("slopes", [q], [casadi.densify(casadi.jacobian(s, q))])
-        self._model = casadi.Function(
-            "model", [q, p], [half_square, casadi.densify(gradient), casadi.densify(hessian)]
-        )
+        self._model = casadi.Function("model", [q, p], [half_square, casadi.densify(gradient), casadi.densify(hessian)])
 
     def point(self, parameters: FloatArray) -> FloatArray:
         """Points (N, 3) of the surface at parameters (N, 2)."""
@@ -166,16 +164,17 @@ class BetweenTarget(ParametricTarget):
         self._ends = np.stack([first[[0, -1]], second[[0, -1]]])
         a, b = (_length_fraction(c) for c in (first, second))
         span = float(np.mean([np.linalg.norm(second[k] - first[k]) for k in (0, -1)]))
-        if span <= 0 or not 0 < rise:
+        if span <= 0 or not rise > 0:
             raise InputError(f"the rise is {rise:g} over a span of {span:g}: both must be positive")
         if profile == "arc" and rise > span / 2:
             raise InputError(f"the rise is {rise:g}: an arc over a span of {span:g} rises at most half of it")
         q = casadi.SX.sym("q", 2)
         low = casadi.vertcat(*[casadi.pw_lin(q[0], a, first[:, k]) for k in range(3)])
         high = casadi.vertcat(*[casadi.pw_lin(q[0], b, second[:, k]) for k in range(3)])
-        lift = casadi.vertcat(0, 0, rise * _profile(q[1], rise, span, profile))
+        w, height = _profile(q[1], rise, span, profile)
+        lift = casadi.vertcat(0, 0, rise * height)
         # The two parameters run across and along, so that u crosses the span.
-        surface = casadi.Function("surface", [q], [(1 - q[1]) * low + q[1] * high + lift])
+        surface = casadi.Function("surface", [q], [(1 - w) * low + w * high + lift])
         swapped = casadi.Function("surface", [q], [surface(casadi.vertcat(q[1], q[0]))])
         super().__init__(swapped, ((0.0, 1.0), (0.0, 1.0)))
 
@@ -205,15 +204,17 @@ def _length_fraction(polyline: FloatArray) -> FloatArray:
     return np.asarray(np.r_[0.0, np.cumsum(lengths)] / lengths.sum())
 
 
-def _profile(w: casadi.SX, rise: float, span: float, profile: Profile) -> casadi.SX:
-    """0 at w = 0 and 1, 1 in the middle."""
-    across = 2 * w - 1
+def _profile(v: casadi.SX, rise: float, span: float, profile: Profile) -> tuple[casadi.SX, casadi.SX]:
+    """Place across the span, 0 to 1, and height over the chord relative to the rise, of a parameter v in 0 to 1."""
+    across, half = 2 * v - 1, span / 2
     if profile == "parabola":
-        return 1 - across**2
-    half = span / 2
+        return v, casadi.SX(1 - across**2)
     if profile == "arc":
+        # By angle, so that a half circle, upright at its feet, is as smooth as any.
         radius = (half**2 + rise**2) / (2 * rise)
-        return (casadi.sqrt(radius**2 - (half * across) ** 2) - (radius - rise)) / rise
+        angle = float(np.arcsin(min(half / radius, 1.0)))
+        height = (radius * casadi.cos(angle * across) - (radius - rise)) / rise
+        return casadi.SX((1 + casadi.sin(angle * across) / np.sin(angle)) / 2), casadi.SX(height)
     # An inverted catenary of that rise: (half / k) (cosh k - 1) = rise.
     k = float(brentq(lambda k: half / k * (np.cosh(k) - 1) - rise, 1e-9, 50.0))
-    return (np.cosh(k) - casadi.cosh(k * across)) / (np.cosh(k) - 1)
+    return v, casadi.SX((np.cosh(k) - casadi.cosh(k * across)) / (np.cosh(k) - 1))

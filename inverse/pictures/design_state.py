@@ -1,0 +1,83 @@
+"""The picture of a design over its target and among its buildings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from inverse import geometry
+from inverse.pattern import Design, FloatArray, IntArray
+from inverse.pictures import drawing
+from inverse.pictures.camera import basis, clear_view, perspective
+from inverse.pictures.rendering import render
+from inverse.pictures.scene import Scene
+
+Surface = tuple[FloatArray, IntArray]
+_SIZE = (1920, 1440)
+
+
+def design_picture(
+    design: Design,
+    path: Path,
+    *,
+    target: Surface | None = None,
+    context: Surface | tuple[FloatArray, IntArray, IntArray] | None = None,
+) -> None:
+    """Write a PNG of the design state, seen from the side that shows most of it, lit from the upper left.
+
+    Args:
+        design: the design.
+        path: the PNG file to write.
+        target: vertices (V, 3) and triangles (T, 3) of its target surface, drawn translucent.
+        context: vertices and triangles of buildings around it; a third array, the building of each triangle, is
+            not needed. Nearly level triangles are drawn as roofs.
+
+    Raises:
+        RuntimeError: 3D pictures cannot be rendered here, see :func:`inverse.pictures.can_render`.
+    """
+    render(design_scene(design, target, context[:2] if context is not None else None), path)
+
+
+def design_scene(design: Design, target: Surface | None, context: Surface | None) -> Scene:
+    """What :func:`design_picture` shows."""
+    points, pattern = design.vertices_coords, design.pattern
+    azimuth, elevation = wished_view(points)
+    view = basis(azimuth, elevation)
+    if context is not None:
+        view = clear_view(points, (azimuth, elevation), *context)
+    camera = perspective(points, view, _SIZE, 0.86 if context is None else 0.48)
+    eye = np.array(camera.position)
+    scene = Scene(_SIZE, camera)
+
+    facets, edges = drawing.structure(pattern, points, view, eye, camera.pixel, drawing.sides_of(pattern, points, view))
+    size = geometry.diagonal(points)
+    if context is None:
+        height = float(points[:, 2].min()) - 0.05 * size
+    else:
+        height = float(context[0][:, 2].min())
+        walls, corners = drawing.buildings(*context, view, eye, camera.pixel)
+        reach = max(geometry.diagonal(context[0][:, :2]), size)
+        scene.facets.append(drawing.ground(points.mean(axis=0), 1.6 * reach, height - 2e-3 * size))
+        scene.facets.append(drawing.shadow(walls.points, walls.cells, len(context[1]), view, height - 1e-3 * size))
+        scene.facets.append(walls)
+        scene.lines.append(corners)
+    scene.facets.append(drawing.shadow(points, facets.cells, len(pattern.faces_vertices), view, height))
+    scene.facets.append(facets)
+    scene.lines.append(edges)
+    if target is not None:
+        surface, rim = drawing.target(*target, view)
+        scene.facets.append(surface)
+        scene.lines.append(rim)
+    return scene
+
+
+def wished_view(points: FloatArray) -> tuple[float, float]:
+    """Azimuth and elevation of a three-quarter view of points (N, 3): the long side from the lower left."""
+    centred = points[:, :2] - points[:, :2].mean(axis=0)
+    _, axes = np.linalg.eigh(centred.T @ centred)
+    long = axes[:, 1] if axes[0, 1] + 1e-9 * axes[1, 1] >= 0 else -axes[:, 1]
+    width, height = geometry.diagonal(points[:, :2]), float(np.ptp(points[:, 2]))
+    tall = min(1.0, height / width)
+    azimuth = float(np.arctan2(long[1], long[0])) - np.radians(58.0)
+    return azimuth, float(np.radians(34.0 - 16.0 * tall))

@@ -1,0 +1,66 @@
+"""Renders one scene off screen: run as a program of its own, because VTK without a usable GL kills its process.
+
+Usage: ``python worker.py SCENE PNG``; SCENE is a pickled dictionary made by :mod:`inverse.pictures.rendering`.
+Knows nothing of the package, so that it starts fast and from any folder.
+"""
+
+from __future__ import annotations
+
+import pickle
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+OVERSAMPLING = 2  # every pixel is the mean of this many squared
+
+
+def render(scene: dict[str, Any]) -> np.ndarray:
+    """The picture, (height, width, 3) uint8."""
+    import pyvista
+
+    width, height = scene["size"]
+    plotter = pyvista.Plotter(off_screen=True, window_size=[OVERSAMPLING * width, OVERSAMPLING * height])
+    plotter.set_background("white")
+    for item in scene["facets"]:
+        mesh = pyvista.PolyData(item["points"], faces=item["cells"])
+        mesh.cell_data["colours"] = item["colours"]
+        plotter.add_mesh(mesh, scalars="colours", rgb=True, lighting=False, opacity=item["opacity"])
+    for item in scene["lines"]:
+        ends = item["ends"]
+        mesh = pyvista.PolyData(item["points"], lines=np.insert(ends, 0, 2, axis=1).ravel())
+        mesh.cell_data["colours"] = item["colours"]
+        line_width = OVERSAMPLING * item["width"]
+        plotter.add_mesh(mesh, scalars="colours", rgb=True, lighting=False, line_width=line_width)
+    for item in scene["captions"]:
+        text = plotter.add_text(
+            item["text"], position=(OVERSAMPLING * item["x"], OVERSAMPLING * item["y"]), font_size=10, color="#2b2b2b"
+        )
+        text.prop.font_size = OVERSAMPLING * item["size"]
+        text.prop.justification_horizontal = "center"
+    if any(item["opacity"] < 1 for item in scene["facets"]):
+        plotter.enable_depth_peeling(4)
+    camera = scene["camera"]
+    plotter.camera_position = [camera["position"], camera["focus"], (0.0, 0.0, 1.0)]
+    plotter.camera.view_angle = scene["view_angle"]
+    if camera["parallel_scale"]:
+        plotter.enable_parallel_projection()
+        plotter.camera.parallel_scale = camera["parallel_scale"]
+    plotter.reset_camera_clipping_range()
+    image = np.asarray(plotter.screenshot(return_img=True), np.float64)
+    plotter.close()
+    fine = image.reshape(height, OVERSAMPLING, width, OVERSAMPLING, 3)
+    return np.rint(fine.mean(axis=(1, 3))).astype(np.uint8)
+
+
+def main() -> None:
+    """Render the scene file that the first argument names into the second."""
+    from PIL import Image
+
+    source, destination = Path(sys.argv[1]), Path(sys.argv[2])
+    Image.fromarray(render(pickle.loads(source.read_bytes()))).save(destination, format="PNG")
+
+
+if __name__ == "__main__":
+    main()
