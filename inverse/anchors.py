@@ -71,13 +71,15 @@ def build(loaded: Loaded, model: DesignModel) -> tuple[list[Constraint], list[Po
                     _key(k), f"vertex {vertex} is held by {held[vertex]} equations of this and earlier anchors, "
                     "but a vertex has 3 coordinates", "Leave the vertex out of one of the anchors.",
                 )  # fmt: skip
+        left = model.pattern.degrees_of_freedom - total
         total += rows * len(vertices)
         if total > model.pattern.degrees_of_freedom:
             raise loaded.source.error(
-                _key(k), f"the anchors up to this one take {total} freedoms, but the pattern has "
-                f"{model.pattern.degrees_of_freedom}; before it {model.pattern.degrees_of_freedom - total + rows * len(vertices)} were left",
+                _key(k),
+                f"this anchor takes {rows * len(vertices)} freedoms, but of the pattern's "
+                f"{model.pattern.degrees_of_freedom} only {left} are left",
                 "Anchor fewer vertices, for example with `every: 2`.",
-            )  # fmt: skip
+            )
         if anchor.to.polyline is not None:
             sliding.append(_on_polyline(name, vertices, np.array(anchor.to.polyline), model))
         else:
@@ -94,8 +96,9 @@ def _vertices(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> IntAr
         vertices = np.array(anchor.vertices, np.int64)
         if vertices.max() >= pattern.n_vertices:
             raise loaded.source.error(
-                _key(k, "vertices"), f"vertex {vertices.max()} is not there: the pattern has vertices 0 to {pattern.n_vertices - 1}"
-            )  # fmt: skip
+                _key(k, "vertices"),
+                f"vertex {vertices.max()} is not there: the pattern has vertices 0 to {pattern.n_vertices - 1}",
+            )
         return vertices[:: anchor.every]
     if pattern.grid is None or anchor.side == "ends":
         raise loaded.source.error(

@@ -65,16 +65,8 @@ def solve(
               f"(placed seed: rms {fit['start_rms_relative']:.2%})")  # fmt: skip
         print(f"coverage  {result.report['coverage']:.1%} of the target")
         print(f"solving   {result.report['seconds']['solve']:.1f} s, {result.report['iterations']} iterations")
-        for name in (
-            "design.fold",
-            "certificate.json",
-            "report.json",
-            "design.png",
-            "states.png",
-            "crease_pattern.svg",
-        ):
-            if (folder / name).exists():
-                print(f"wrote     {folder / name}")
+        for path in report.files(folder):
+            print(f"wrote     {path}")
     if result.interrupted:
         return INTERRUPTED
     return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED

@@ -92,16 +92,18 @@ def _grid(grid: Any, pattern: Pattern) -> tuple[int, int]:
     if not (isinstance(grid, list) and len(grid) == 2 and all(type(k) is int and k > 0 for k in grid)):
         raise InputError(f"bdffpq:grid is {grid!r}: two positive whole numbers [m, n] are needed")
     m, n = grid
+    wrong = InputError(
+        f"bdffpq:grid is [{m}, {n}], but the facets are not those of such a grid",
+        hint="Number vertices (i, j) -> i (n+1) + j and facets (i, j) -> i n + j, or leave the key out.",
+    )
+    if m * n != len(pattern.faces_vertices):
+        raise wrong
     i, j = (k.ravel() for k in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))
     there = (i + 1) % m if pattern.n_holes else i + 1
     expected = np.stack([i * (n + 1) + j, there * (n + 1) + j, there * (n + 1) + j + 1, i * (n + 1) + j + 1], axis=1)
-    if len(pattern.faces_vertices) != m * n or not all(
-        set(face) == set(wanted) for face, wanted in zip(pattern.faces_vertices, expected.tolist(), strict=True)
-    ):
-        raise InputError(
-            f"bdffpq:grid is [{m}, {n}], but the facets are not those of such a grid",
-            hint="Number vertices (i, j) -> i (n+1) + j and facets (i, j) -> i n + j, or leave the key out.",
-        )
+    facets = zip(pattern.faces_vertices, expected.tolist(), strict=True)
+    if not all(set(face) == set(vertices) for face, vertices in facets):
+        raise wrong
     return m, n
 
 

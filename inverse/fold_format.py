@@ -116,7 +116,7 @@ def _is_index(value: object, count: int) -> bool:
 def _array(document: dict[str, Any], key: str, dtype: type, width: int, where: str) -> NDArray[Any]:
     """A list of numbers (width 0) or of rows of ``width`` numbers, all finite."""
     value = _get(document, key, where)
-    rows = value if isinstance(value, list) else [None]
+    rows: list[Any] = value if isinstance(value, list) else [None]
     flat = rows if width == 0 else [x for row in rows for x in (row if isinstance(row, list) else [None])]
     kinds = (int,) if dtype is np.int64 else (int, float)
     well_formed = all(isinstance(x, kinds) and not isinstance(x, bool) for x in flat)
@@ -124,7 +124,7 @@ def _array(document: dict[str, Any], key: str, dtype: type, width: int, where: s
         shape = "a list of numbers" if width == 0 else f"a list of rows of {width} numbers"
         raise InputError(f"{key} must be {shape}", where=where)
     try:
-        array = np.array(rows, dtype).reshape((-1, width) if width else -1)
+        array: NDArray[Any] = np.array(rows, dtype).reshape((-1, width) if width else -1)
     except OverflowError:
         raise InputError(f"{key} holds a number that is too large", where=where) from None
     if not np.isfinite(array).all():

@@ -36,8 +36,10 @@ def half_angle(t: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def fold_angles_at(design: Design, t: FloatArray) -> FloatArray:
-    """Fold angles at folding amounts ``t`` (S,), as (S, E): tan(rho/2) grows with tan(t/2) at an FL and
-    with cot(t/2) at a CFL (equations (3) and (5)); 0 or +-pi exactly in the flat states.
+    """Fold angles (S, E) at folding amounts ``t`` (S,), both in radians: equations (3) and (5).
+
+    tan(rho/2) grows with tan(t/2) at an FL and with cot(t/2) at a CFL; in the flat states it is exactly 0 or
+    infinite, so that the angles are exactly 0 or +-pi.
     """
     rho = geometry.fold_angles(design.pattern, design.vertices_coords)
     sine, cosine = half_angle(t)

@@ -1,4 +1,4 @@
-"""Objectives: fit to a target surface, coverage of it, fairness of the mesh. A term is one function and its registration."""
+"""Objectives: fit to a target, coverage of it, fairness of the mesh. A term is one function and its registration."""
 
 from __future__ import annotations
 
@@ -41,20 +41,21 @@ class Goal:
         return self.target.residual(casadi.SX.zeros(3)) is not None
 
 
+Build = Callable[[Goal], list[Elements]]
+
+
 @dataclass(frozen=True)
 class Term:
     """A registered objective: builds its elements; several blocks share the weight by their sizes."""
 
-    build: Callable[[Goal], list[Elements]]
+    build: Build
     default_weight: float
 
 
 OBJECTIVES: dict[str, Term] = {}
 
 
-def objective(
-    name: str, default_weight: float = 0.0
-) -> Callable[[Callable[[Goal], list[Elements]]], Callable[[Goal], list[Elements]]]:
+def objective(name: str, default_weight: float = 0.0) -> Callable[[Build], Build]:
     """Register an objective under a name that specifications may use.
 
     Args:
@@ -62,11 +63,11 @@ def objective(
         default_weight: weight where the specification gives none.
     """
 
-    def register(build: Callable[[Goal], list[Elements]]) -> Callable[[Goal], list[Elements]]:
+    def add(build: Build) -> Build:
         OBJECTIVES[name] = Term(build, default_weight)
         return build
 
-    return register
+    return add
 
 
 def register(name: str, function: Callable[[casadi.SX], casadi.SX], default_weight: float = 0.0) -> None:
@@ -109,7 +110,7 @@ def fit_vertices(model: DesignModel, fit_points: FitPoints) -> list[IntArray]:
     if fit_points == "layer":
         if pattern.grid is None:
             raise InputError("fit points 'layer' need a grid", hint="Use 'facets' or 'vertices'.")
-        m, n = pattern.grid
+        _, n = pattern.grid
         i, j = np.divmod(np.arange(pattern.n_vertices), n + 1)
         return [np.flatnonzero((i % 2 == 0) & (j % 2 == 0))[:, None]]
     by_sides: dict[int, list[tuple[int, ...]]] = {}
@@ -134,6 +135,7 @@ def fit(goal: Goal) -> list[Elements]:
 
         def exact(q: casadi.SX, _: casadi.SX, k: int = k) -> casadi.SX:
             distance = goal.target.residual(_mean(q, k) * model.scale + model.centre)
+            assert distance is not None  # this kernel is for exact targets only
             return casadi.SX(distance / model.scale)
 
         def to_foot(q: casadi.SX, p: casadi.SX, k: int = k) -> casadi.SX:

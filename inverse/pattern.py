@@ -157,8 +157,8 @@ class Pattern:
         if len(wrong):
             word = EDGE_TYPE_NAMES[flips_across]
             raise InputError(
-                f"the number of {word} lines around a hole is odd (seen at edge {_name(self.edges_vertices[wrong[0]])})",
-                hint="Around every hole the numbers of FL and of CFL lines are both even, else a flat state is missing.",
+                f"the number of {word} lines around a hole is odd, seen at edge {_name(self.edges_vertices[wrong[0]])}",
+                hint="Around every hole the numbers of FL and of CFL lines are both even, else a flat state lacks.",
             )
         return signs
 
@@ -237,11 +237,11 @@ def _corners(faces: tuple[tuple[int, ...], ...], n_vertices: int) -> IntArray:
     if len(unused):
         raise InputError(f"vertex {unused[0]} belongs to no facet")
     starts = np.cumsum(lengths) - lengths
-    face = np.repeat(np.arange(len(faces)), lengths)
-    place = np.arange(len(vertex)) - starts[face]
-    following = vertex[starts[face] + (place + 1) % lengths[face]]
-    previous = vertex[starts[face] + (place - 1) % lengths[face]]
-    return np.stack([face, previous, vertex, following], axis=1).astype(np.int64)
+    facet = np.repeat(np.arange(len(faces)), lengths)
+    place = np.arange(len(vertex)) - starts[facet]
+    following = vertex[starts[facet] + (place + 1) % lengths[facet]]
+    previous = vertex[starts[facet] + (place - 1) % lengths[facet]]
+    return np.stack([facet, previous, vertex, following], axis=1).astype(np.int64)
 
 
 def _edges(corners: IntArray) -> tuple[IntArray, IntArray]:
@@ -327,7 +327,8 @@ def _count_holes(n_vertices: int, edges_vertices: IntArray, edges_faces: IntArra
     euler = n_vertices - len(edges_vertices) + n_faces
     if loops == 0 or euler != 2 - loops:
         raise InputError(
-            f"the surface has {loops} boundary loops and Euler characteristic {euler}: it is no disk with or without holes",
+            f"the surface has {loops} boundary loops and Euler characteristic {euler}, so it is no disk, with or "
+            "without holes",
             hint="Allowed are disks, cylinders and disks with holes, in one piece.",
         )
     return loops - 1

@@ -20,6 +20,12 @@ from inverse.spec import Loaded
 PACKAGES = ("inverse", "casadi", "numpy", "scipy", "pyvista", "trimesh", "libigl")
 
 
+def files(folder: Path) -> list[Path]:
+    """The files of a result that are there; pictures may be missing."""
+    names = ("design.fold", "certificate.json", "report.json", "design.png", "states.png", "crease_pattern.svg")
+    return [folder / name for name in names if (folder / name).exists()]
+
+
 def output_folder(loaded: Loaded, given: Path | None) -> Path:
     """The folder to write to, ``out/<name>`` if none is given; it is made when something is written.
 

@@ -1,4 +1,4 @@
-"""Rounds of IPOPT: closest points are refreshed, polyline segments changed and crossing facets kept apart in between."""
+"""Rounds of IPOPT; in between closest points are refreshed, polyline segments changed, crossing facets kept apart."""
 
 from __future__ import annotations
 

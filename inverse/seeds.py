@@ -166,7 +166,8 @@ def tube(
     missing = sum(x.n * x.length for x in steps), sum(x.a * x.length for x in steps)
     if max(map(abs, missing)) > 1e-12 * sum(x.length for x in steps):
         raise InputError(
-            f"the section does not close: its n-signed lengths sum to {missing[0]:g} and its a-signed ones to {missing[1]:g}",
+            f"the section does not close: its n-signed lengths sum to {missing[0]:g} and its a-signed ones to "
+            f"{missing[1]:g}",
             hint="Both sums must be zero, so that the tube stays closed at every fold state.",
         )
     types = []

@@ -106,31 +106,23 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
             "degrees_of_freedom": design.pattern.degrees_of_freedom,
         },
     }
-    status = _status(converged, certificate, rounds.stopped, judgement, rounds.attempts)
+    status = _status(converged, certificate, rounds.stopped, judgement["failed"], rounds.attempts[-1]["ended"])
     return Result(
         status, converged, certificate.certified, rounds.stopped, design, goal.model.seed,
         certificate, report, formulation,
     )  # fmt: skip
 
 
-def _status(
-    converged: bool,
-    certificate: Certificate,
-    interrupted: bool,
-    judgement: dict[str, Any],
-    attempts: list[dict[str, Any]],
-) -> str:
+def _status(converged: bool, certificate: Certificate, interrupted: bool, failed: list[str], ended: str) -> str:
     if converged and certificate.certified:
         return "certified and converged"
-    failed = [check.sentence for check in certificate.checks.values() if not check.passed] + list(judgement["failed"])
-    start = (
-        "interrupted, the best design so far was kept" if interrupted else f"IPOPT ended with {attempts[-1]['ended']}"
-    )
+    reasons = [*(check.sentence for check in certificate.checks.values() if not check.passed), *failed]
+    start = "interrupted, the best design so far was kept" if interrupted else f"IPOPT ended with {ended}"
     advice = (
         "Let it run on, or raise solver.time_limit_s." if interrupted
         else "Loosen the bounds or anchors, turn the pattern (pattern.turn), or take more facets."
     )  # fmt: skip
-    return f"{start}: {'; '.join(failed)}. {advice}"
+    return f"{start}: {'; '.join(reasons)}. {advice}"
 
 
 @contextmanager

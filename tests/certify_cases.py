@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from inverse import certify, fold_file, seeds
+from inverse.certify.measures import fold_halves
+from inverse.certify.mesh import build_mesh
 from inverse.fold_format import FoldFrame, read_frame
 from inverse.pattern import Design
 
@@ -64,12 +66,7 @@ def edge_index(doc: dict[str, Any], a: int, b: int) -> int:
 def without_facets(doc: dict[str, Any], removed: set[int], holes: list[list[int]]) -> dict[str, Any]:
     """A document with holes where facets that share no vertices were; ``holes``: the claim to make."""
     doc = copy.deepcopy(doc)
-    rim = {
-        frozenset((face[k - 1], face[k]))
-        for f in removed
-        for face in [doc["faces_vertices"][f]]
-        for k in range(4)
-    }
+    rim = {frozenset((face[k - 1], face[k])) for f in removed for face in [doc["faces_vertices"][f]] for k in range(4)}
     for k, pair in enumerate(doc["edges_vertices"]):
         if frozenset(pair) in rim:
             doc["edges_assignment"][k] = doc["bdffpq:edges_type"][k] = "B"
@@ -139,8 +136,33 @@ def generic(design: Design, amount: float, seed: int = 1) -> Design:
         if np.abs(residual).max() < 1e-15:
             break
         columns = [
-            (_conditions(design, x + step * e) - _conditions(design, x - step * e)) / (2 * step)
-            for e in np.eye(x.size)
+            (_conditions(design, x + step * e) - _conditions(design, x - step * e)) / (2 * step) for e in np.eye(x.size)
         ]
         x = x - np.linalg.lstsq(np.stack(columns, axis=1), residual, rcond=1e-7)[0]
     return design.moved_to(x.reshape(-1, 3))
+
+
+def raw(points: np.ndarray, faces: list[list[int]], types: dict[tuple[int, ...], str]) -> dict[str, Any]:
+    """A document of a small mesh without claims; ``types`` of the interior edges."""
+    mesh, _ = build_mesh(faces, len(points))
+    rho = np.degrees(2 * np.arctan2(*fold_halves(mesh, points)))
+    kind = [types.get(tuple(sorted(e)), "B") for e in mesh.edges.tolist()]
+    return {
+        "vertices_coords": points.tolist(),
+        "edges_vertices": mesh.edges.tolist(),
+        "edges_assignment": ["B" if k == "B" else "V" if r > 0 else "M" for k, r in zip(kind, rho, strict=True)],
+        "edges_foldAngle": rho.tolist(),
+        "faces_vertices": [list(face) for face in faces],
+        "bdffpq:edges_type": kind,
+    }
+
+
+def strip(rho: float, count: int) -> dict[str, Any]:
+    """Unit squares in a row, the folds between them all of ``rho`` radians, typed FL."""
+    headings = rho * np.arange(count)
+    steps = np.stack([np.cos(headings), np.sin(headings), 0 * headings], axis=1)
+    bottom = np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
+    top = count + 1
+    points = np.vstack([bottom, bottom + np.array([0, 0, 1])])
+    faces = [[k, k + 1, top + k + 1, top + k] for k in range(count)]
+    return raw(points, faces, {(k, top + k): "FL" for k in range(1, count)})

@@ -30,18 +30,27 @@ ARROWS: dict[str, set[str]] = {
     "certify": {"errors", "crossing", "fold_format"},
     "target": {"errors", "words"},
     "placement": {"errors", "pattern", "geometry", "seeds", "target"},
-    "yaml_source": {"errors", "words"},
-    "validation": {"errors", "words", "yaml_source"},
-    "spec": {"errors", "words", "pattern", "yaml_source", "validation"},
+    "fields": {"words"},
+    "yaml_data": {"errors"},
+    "yaml_source": {"errors", "words", "yaml_data"},
+    "validation": {"errors", "words", "fields", "yaml_data", "yaml_source"},
+    "spec_pattern": {"words", "fields"},
+    "spec_target": {"errors", "fields", "target"},
+    "spec": {"errors", "words", "fields", "validation", "yaml_source", "spec_pattern", "spec_target"},
     "kernels": {"pattern"},
     "model": {"pattern", "geometry", "kernels"},
     "constraints": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "objectives": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "cylinder_loop": {"errors", "pattern", "geometry", "kernels", "model", "target"},
-    "refine": {"errors", "pattern", "geometry", "kernels", "model", "constraints"},
     "assembly": {"errors", "pattern", "kernels", "model"},
     "ipopt": {"errors", "pattern", "assembly"},
+    "refine": {"errors", "pattern", "assembly"},
+    "verdict": {"pattern", "geometry", "crossing", "model", "objectives", "assembly", "target"},
+    "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
+# What a specification means, then how it is solved: these stand on everything above.
+ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "refine", "verdict", "certify"}
+ARROWS["rounds"] = set(ARROWS) - {"refine", "certify"}
 ARROWS["solve"] = set(ARROWS)
 ARROWS["context"] = {"errors", "files", "words", "pattern"}
 

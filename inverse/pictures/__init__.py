@@ -3,5 +3,6 @@
 from inverse.pictures.crease_pattern import crease_pattern_picture
 from inverse.pictures.design_state import design_picture
 from inverse.pictures.rendering import can_render
+from inverse.pictures.states import states_picture
 
-__all__ = ["can_render", "crease_pattern_picture", "design_picture"]
+__all__ = ["can_render", "crease_pattern_picture", "design_picture", "states_picture"]

@@ -56,7 +56,7 @@ def design_scene(design: Design, target: Surface | None, context: Surface | None
         height = float(points[:, 2].min()) - 0.05 * size
     else:
         height = float(context[0][:, 2].min())
-        walls, corners = drawing.buildings(*context, view, eye, camera.pixel)
+        walls, corners = drawing.buildings(*context, view)
         reach = max(geometry.diagonal(context[0][:, :2]), size)
         scene.facets.append(drawing.ground(points.mean(axis=0), 1.6 * reach, height - 2e-3 * size))
         scene.facets.append(drawing.shadow(walls.points, walls.cells, len(context[1]), view, height - 1e-3 * size))

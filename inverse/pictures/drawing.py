@@ -44,15 +44,18 @@ def structure(
     length = float(np.median(geometry.edge_lengths(pattern, points)))
     width = float(np.clip(0.035 * length / pixel, 0.5, 2.0))
     ink = np.tile(colours.rgb(colours.FACET_EDGE), (len(pattern.edges_vertices), 1))
-    edges = Lines(_nearer(points, view, eye, 0.004 * length), pattern.edges_vertices, ink, width)
+    edges = Lines(points, pattern.edges_vertices, ink, width)
     return Facets(points, cells_of(pattern.faces_vertices), shown), edges
 
 
 def sides_of(pattern: Pattern, points: FloatArray, view: FloatArray) -> tuple[colours.Shades, colours.Shades]:
-    """Colours of the top side and of the other one; the warmer ones go to the side that faces the viewer more."""
+    """Colours of the top side and of the other one; the warmer ones go to the side that the viewer sees more of."""
     face, _, vertex, following = pattern.corners.T
-    towards = float((np.cross(points[vertex] - points[face * 0], points[following]) @ view[2]).sum())
-    return (colours.WARM, colours.COOL) if towards >= 0 else (colours.COOL, colours.WARM)
+    middles = geometry.facet_centroids(pattern, points)
+    area = np.cross(points[vertex] - middles[face], points[following] - middles[face]) @ view[2]
+    depth = middles @ view[2]  # of a tube, the near half is seen
+    top_is_seen = float((area * (depth - depth.min())[face]).sum()) >= 0
+    return (colours.WARM, colours.COOL) if top_is_seen else (colours.COOL, colours.WARM)
 
 
 def target(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple[Facets, Lines]:
@@ -67,9 +70,7 @@ def target(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple
     return facets, Lines(vertices, rim, np.tile(colours.rgb(colours.TARGET[0]), (len(rim), 1)), 1.2)
 
 
-def buildings(
-    vertices: FloatArray, triangles: IntArray, view: FloatArray, eye: FloatArray, pixel: float
-) -> tuple[Facets, Lines]:
+def buildings(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple[Facets, Lines]:
     """Walls in light grey, roofs warmer, and the edges where they meet."""
     normals = _normals(vertices, triangles, view)
     share = _brightness(normals, light_of(view))
@@ -77,7 +78,7 @@ def buildings(
     shown = np.where(roof[:, None], colours.blend(colours.ROOF, share), colours.blend(colours.WALL, share))
     sharp = _sharp_edges(vertices, triangles, 20.0)
     ink = np.tile(colours.rgb(colours.CONTEXT_EDGE), (len(sharp), 1))
-    return Facets(vertices, cells_of(triangles), shown), Lines(_nearer(vertices, view, eye, 2 * pixel), sharp, ink, 0.7)
+    return Facets(vertices, cells_of(triangles), shown), Lines(vertices, sharp, ink, 0.7)
 
 
 def ground(centre: FloatArray, radius: float, height: float) -> Facets:
@@ -98,7 +99,7 @@ def ground(centre: FloatArray, radius: float, height: float) -> Facets:
 
 def shadow(points: FloatArray, cells: IntArray, count: int, view: FloatArray, height: float) -> Facets:
     """Where ``count`` polygons throw their shadow on the plane z = ``height``; a short one, as about noon."""
-    light = light_of(view) + np.array([0.0, 0.0, 0.8])
+    light = light_of(view) + np.array([0.0, 0.0, 1.2])
     fallen = points - np.outer((points[:, 2] - height) / light[2], light)
     fallen[:, 2] = height
     return Facets(fallen, cells, np.tile(colours.rgb(colours.SHADOW), (count, 1)))
@@ -116,14 +117,6 @@ def _normals(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> Flo
     normals = np.cross(b - a, c - a)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return np.asarray(np.where((normals @ view[2] < 0)[:, None], -normals, normals))
-
-
-def _nearer(points: FloatArray, view: FloatArray, eye: FloatArray | None, distance: float) -> FloatArray:
-    """Points moved a little towards the viewer, so that lines lie over the facets they bound."""
-    if eye is None:
-        return np.asarray(points + distance * view[2])
-    gaze = eye - points
-    return np.asarray(points + distance * gaze / np.linalg.norm(gaze, axis=1, keepdims=True))
 
 
 def _sharp_edges(vertices: FloatArray, triangles: IntArray, degrees: float | None) -> IntArray:

@@ -26,7 +26,10 @@ def render(scene: dict[str, Any]) -> np.ndarray:
     for item in scene["facets"]:
         mesh = pyvista.PolyData(item["points"], faces=item["cells"])
         mesh.cell_data["colours"] = item["colours"]
-        plotter.add_mesh(mesh, scalars="colours", rgb=True, lighting=False, opacity=item["opacity"])
+        actor = plotter.add_mesh(mesh, scalars="colours", rgb=True, lighting=False, opacity=item["opacity"])
+        # Facets step back, the more the steeper they are seen, so that the lines on them are not half hidden.
+        actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        actor.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 2.0)
     for item in scene["lines"]:
         ends = item["ends"]
         mesh = pyvista.PolyData(item["points"], lines=np.insert(ends, 0, 2, axis=1).ravel())

@@ -1,0 +1,107 @@
+"""The picture of a design's three states side by side: developed, design and flat-folded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from inverse import folding, geometry
+from inverse.pattern import CFL, FL, Design, FloatArray
+from inverse.pictures import drawing
+from inverse.pictures.camera import basis, parallel
+from inverse.pictures.design_state import wished_view
+from inverse.pictures.rendering import render
+from inverse.pictures.scene import Caption, Scene
+
+_WIDTH, _LEAST_HEIGHT, _MARGIN, _FOOT, _TEXT = 2400, 800, 80, 110, 40
+_TITLES = ("developed (t = 0°)", "design (t = 90°)", "flat-folded (t = 180°)")
+# The layers of a flat state are drawn apart by their order shortly before it, up to this share of its size.
+_NEARLY, _THICKNESS = 0.01, 0.02
+
+
+def states_picture(design: Design, path: Path) -> None:
+    """Write a PNG of the developed, the design and the flat-folded state, at one scale on one ground.
+
+    The flat states lie level. Where they have layers, these are drawn slightly apart.
+
+    Args:
+        design: the design.
+        path: the PNG file to write.
+
+    Raises:
+        RuntimeError: 3D pictures cannot be rendered here, see :func:`inverse.pictures.can_render`.
+    """
+    render(states_scene(design), path)
+
+
+def states_scene(design: Design) -> Scene:
+    """What :func:`states_picture` shows."""
+    pattern, points = design.pattern, design.vertices_coords
+    azimuth, elevation = wished_view(points)
+    view = basis(azimuth, max(elevation, np.radians(32.0)))
+    states = [_laid_out(design, 0.0), points, _laid_out(design, np.pi)]
+
+    # Side by side as the viewer sees them, the middles on one level line on the ground, each over its caption.
+    back = np.array([-view[2, 0], -view[2, 1], 0.0]) / np.hypot(view[2, 0], view[2, 1])
+    states = [_centred(state, view[0], back) for state in states]
+    widths = np.array([np.ptp(state @ view[0]) for state in states])
+    words = np.array([0.56 * _TEXT * len(title) for title in _TITLES])
+    pixel, gap = 0.0, 0.12 * widths.max()
+    for _ in range(20):  # the captions' lengths on the ground depend on the scale, and the scale on them
+        cells = np.maximum(widths, words * pixel) + gap
+        pixel = float(cells.sum() - gap) / (_WIDTH - 2 * _MARGIN)
+    middles = np.cumsum(cells) - cells / 2
+    placed = [state + x * view[0] for state, x in zip(states, middles, strict=True)]
+    whole = np.concatenate(placed)
+    low, high = (whole @ view[1]).min(), (whole @ view[1]).max()
+    wanted = float(high - low) / pixel + 2 * _MARGIN + _FOOT
+    pixel *= max(1.0, wanted / _WIDTH)
+    height = int(np.clip(16 * np.ceil(wanted / 16), _LEAST_HEIGHT, _WIDTH))
+    centre = np.array([(cells.sum() - gap) / 2, (low + high) / 2 - _FOOT / 2 * pixel])
+    camera = parallel(whole, view, pixel, centre, height)
+    scene = Scene((_WIDTH, height), camera)
+    sides = drawing.sides_of(pattern, points, view)
+    for state, title, x in zip(placed, _TITLES, middles, strict=True):
+        facets, edges = drawing.structure(pattern, state, view, None, pixel, sides)
+        scene.facets.append(drawing.shadow(state, facets.cells, len(pattern.faces_vertices), view, -2 * pixel))
+        scene.facets.append(facets)
+        scene.lines.append(edges)
+        scene.captions.append(Caption(title, float((x - centre[0]) / pixel) + _WIDTH / 2, _MARGIN, _TEXT))
+    return scene
+
+
+def _laid_out(design: Design, t: float) -> FloatArray:
+    """A flat state, level, turned like the design and, where it has layers, with these apart."""
+    flat = folding.flat_state(design, t)
+    layered = CFL if t == 0.0 else FL
+    if (design.pattern.edges_type == layered).any():
+        near = folding.flat_state(design, abs(t - _NEARLY))
+        plane = np.c_[near[:, :2], np.ones(len(near))]
+        height = near[:, 2] - plane @ np.linalg.lstsq(plane, near[:, 2], rcond=None)[0]
+        flat[:, 2] = height * (_THICKNESS * geometry.diagonal(flat) / max(np.ptp(height), 1e-300))
+    return _turned_like(flat, design.vertices_coords)
+
+
+def _turned_like(flat: FloatArray, points: FloatArray) -> FloatArray:
+    """A level state turned about the vertical to match the design seen from above.
+
+    A design that stands upright is first laid on its back.
+    """
+    centred = points - points.mean(axis=0)
+    plan = centred[:, 0] + 1j * centred[:, 1]
+    if np.ptp(points[:, 2]) > geometry.diagonal(points[:, :2]):
+        back = np.exp(1j * wished_view(points)[0]) * -1
+        plan = back * (centred[:, 2] - 1j * (plan * back.conj()).imag)
+    z = flat[:, 0] + 1j * flat[:, 1]
+    turn = (plan * (z - z.mean()).conj()).sum()
+    z = z * (turn / abs(turn)) if abs(turn) > 0 else z
+    return np.stack([z.real, z.imag, flat[:, 2]], axis=1)
+
+
+def _centred(points: FloatArray, right: FloatArray, back: FloatArray) -> FloatArray:
+    """Points moved so that they stand on the ground, the middle of their extent at the origin."""
+    for axis in (right, back):
+        along = points @ axis
+        points = points - (along.min() + along.max()) / 2 * axis
+    return np.asarray(points - [0.0, 0.0, points[:, 2].min()])
