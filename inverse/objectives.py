@@ -9,6 +9,7 @@ from typing import Literal
 import casadi
 import numpy as np
 
+from inverse import geometry
 from inverse.errors import InputError
 from inverse.kernels import Elements, Kernel
 from inverse.model import DesignModel, Objective
@@ -204,6 +205,16 @@ def fairness(goal: Goal) -> list[Elements]:
     a, b, c = model.seed_points[vertices].transpose(1, 0, 2)
     kernel = Kernel("fairness", lambda q, p: q[:3] - 2 * q[3:6] + q[6:] - p, 9, 3)
     return [Elements("fairness", kernel, model.variables_of(vertices), a - 2 * b + c)] if triples else []
+
+
+@objective("evenness", default_weight=1e-5)
+def evenness(goal: Goal) -> list[Elements]:
+    """Edges keep the seed's lengths as far as they can: no narrow facets beside wide ones."""
+    model = goal.model
+    edges = model.pattern.edges_vertices
+    lengths = geometry.edge_lengths(model.pattern, model.seed_points)
+    kernel = Kernel("evenness", lambda q, p: (casadi.sumsqr(q[3:] - q[:3]) * p - 1) / 2, 6, 1)
+    return [Elements("evenness", kernel, model.variables_of(edges), lengths[:, None] ** -2)]
 
 
 def _mean(q: casadi.SX, k: int) -> casadi.SX:

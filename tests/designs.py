@@ -42,9 +42,7 @@ def network(parent: Design, faces: Iterable[Sequence[int]], points: np.ndarray |
     faces = [list(face) for face in faces]
     used = np.unique(np.concatenate(faces))
     number = {old: new for new, old in enumerate(used.tolist())}
-    known = dict(
-        zip(map(frozenset, parent.pattern.edges_vertices.tolist()), parent.pattern.edges_type, strict=True)
-    )
+    known = dict(zip(map(frozenset, parent.pattern.edges_vertices.tolist()), parent.pattern.edges_type, strict=True))
 
     def types(edges: np.ndarray) -> np.ndarray:
         return np.array([known[frozenset(used[pair].tolist())] for pair in edges], np.int8)
@@ -64,9 +62,7 @@ def staircase(make: Callable[..., Design] = miura, size: int = 5) -> Design:
     return without(make(size, size), [i * size + j for i in range(size) for j in range(size) if i + j > size])
 
 
-def holed(
-    make: Callable[..., Design] = miura, size: int = 5, holes: Sequence[tuple[int, int]] = ((2, 2),)
-) -> Design:
+def holed(make: Callable[..., Design] = miura, size: int = 5, holes: Sequence[tuple[int, int]] = ((2, 2),)) -> Design:
     """A grid without these interior facets (i, j)."""
     return without(make(size, size), [i * size + j for i, j in holes])
 
@@ -170,9 +166,7 @@ def rows_of(constraint: Constraint, model: DesignModel, points: np.ndarray) -> n
     """Rows (N, k) at vertices (V, 3) in the seed's unit."""
     e = constraint.elements
     x = model.to_dimensionless(points).ravel()
-    return np.array(e.kernel.value.map(e.count)(x[e.variables].T, e.parameters.T)).T.reshape(
-        constraint.lower.shape
-    )
+    return np.array(e.kernel.value.map(e.count)(x[e.variables].T, e.parameters.T)).T.reshape(constraint.lower.shape)
 
 
 def holds(constraint: Constraint, model: DesignModel, points: np.ndarray) -> np.ndarray:

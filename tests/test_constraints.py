@@ -85,9 +85,7 @@ def test_vertices_of_a_tube_do_not_close_its_motion() -> None:
     """math.md 5: every vertex and facet can be right and the strips around still part when it moves."""
     design = tube(6, 3)
     problem, model = equations(design), DesignModel(design)
-    x = polish(
-        problem, model.to_dimensionless(perturbed(design, 0.02).vertices_coords).ravel(), problem.parameters()
-    )
+    x = polish(problem, model.to_dimensionless(perturbed(design, 0.02).vertices_coords).ravel(), problem.parameters())
     assert_close(problem.rows_and_jacobian(x, problem.parameters())[0], 0, 1e-13)
     assert folding.fold(model.design(x), np.array([0.5])).gap[0] > 1e-5
 
@@ -128,9 +126,7 @@ def test_planarity_is_zero_for_planar_facets_only() -> None:
         ]
         for k, label in enumerate(constraint.labels):
             face = design.pattern.faces_vertices[int(label.removeprefix("facet "))]
-            normal = geometry.facet_normals(design.pattern, design.vertices_coords)[
-                int(label.removeprefix("facet "))
-            ]
+            normal = geometry.facet_normals(design.pattern, design.vertices_coords)[int(label.removeprefix("facet "))]
             for corner in range(3, sides):
                 points = design.vertices_coords.copy()
                 points[face[corner]] += 1e-3 * normal
@@ -253,7 +249,7 @@ def test_rows_do_not_change_with_numbers(name: str) -> None:
 @pytest.mark.parametrize("size", [1e-3, 1e6])
 def test_variables_are_centred_and_of_the_size_of_an_edge(size: float) -> None:
     seed = polygonal()
-    model = DesignModel(seed.moved_to(size * (seed.vertices_coords + [4.0, 5.0, -6.0])))
+    model = DesignModel(seed.moved_to(size * (seed.vertices_coords + np.array([4.0, 5.0, -6.0]))))
     assert_close(model.seed_points.mean(axis=0), 0, 1e-13)
     assert geometry.edge_lengths(seed.pattern, model.seed_points).mean() == pytest.approx(1, abs=1e-13)
     again = model.design(model.seed_points.ravel())

@@ -167,14 +167,10 @@ def targeted(mesh: str, goal: str, terms: tuple[str, ...]) -> Task:
     return Task(model, problem, {term: [b.name for b in found] for term, found in blocks.items()})
 
 
-def assert_second_order(
-    function: Callable, slope: np.ndarray, x: np.ndarray, along: np.ndarray, what: str
-) -> None:
+def assert_second_order(function: Callable, slope: np.ndarray, x: np.ndarray, along: np.ndarray, what: str) -> None:
     """The remainder f(x + h d) - f(x) - h f' d falls by four whenever h is halved, or is none at all."""
     start = np.asarray(function(x))
-    remainder = np.array(
-        [np.linalg.norm(np.asarray(function(x + h * along)) - start - h * slope) for h in STEPS]
-    )
+    remainder = np.array([np.linalg.norm(np.asarray(function(x + h * along)) - start - h * slope) for h in STEPS])
     if remainder.max() > 1e-12 * (np.linalg.norm(start) + np.linalg.norm(slope)):
         ratios = remainder[:-1] / remainder[1:]
         assert ((ratios > 3.8) & (ratios < 4.2)).all(), f"{what}: remainders {remainder}, ratios {ratios}"
@@ -210,9 +206,7 @@ def assert_derivatives(task: Task, term: str) -> None:
         hessian = upper + np.triu(upper, 1).T
         slope = problem.rows_and_jacobian(x, p)[1] @ along
         assert_second_order(rows, slope[own], x, along, f"Jacobian of {term}")
-        assert_second_order(
-            value, problem.objective_and_gradient(x, p)[1] @ along, x, along, f"gradient of {term}"
-        )
+        assert_second_order(value, problem.objective_and_gradient(x, p)[1] @ along, x, along, f"gradient of {term}")
         assert_second_order(gradient, hessian @ along, x, along, f"curvature of {term}")
 
 

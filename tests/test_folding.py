@@ -28,9 +28,7 @@ def hinge(angle: float) -> Design:
 def test_a_valley_is_positive_and_folds_by_the_half_angle_tangent(angle: float) -> None:
     design = hinge(angle)
     edge = design.pattern.interior_edges[0]
-    assert geometry.fold_angles(design.pattern, design.vertices_coords)[edge] == pytest.approx(
-        angle, abs=1e-14
-    )
+    assert geometry.fold_angles(design.pattern, design.vertices_coords)[edge] == pytest.approx(angle, abs=1e-14)
     motion = folding.fold(design, T)
     expected = 2 * np.arctan2(np.sin(T / 2) * np.sin(angle / 2), np.cos(T / 2) * np.cos(angle / 2))
     assert_close(motion.fold_angles[:, edge], expected, 1e-14)
@@ -99,9 +97,7 @@ def test_a_miura_state_is_the_seed_of_another_fold_state(fold_state: float) -> N
         squared = np.tan(t / 2) ** 2 * (c0**2 - g**2) / (1 - c0**2)
         c = np.sqrt((g**2 + squared) / (1 + squared))
         other = miura(5, 4, fold_state=(c - g) / (1 - g))
-        assert_close(
-            pdist(folding.fold(design, np.array([t])).vertices_coords[0]), pdist(other.vertices_coords), 1e-12
-        )
+        assert_close(pdist(folding.fold(design, np.array([t])).vertices_coords[0]), pdist(other.vertices_coords), 1e-12)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -161,10 +157,7 @@ def test_flat_states_are_flat_and_turn_facets_by_their_signs(name: str, t: float
     assert_close(lengths, np.linalg.norm(a - b, axis=1), 1e-13)
     x, y = flat[:, :2].T
     area = np.array(
-        [
-            x[list(f)] @ np.roll(y[list(f)], -1) - y[list(f)] @ np.roll(x[list(f)], -1)
-            for f in pattern.faces_vertices
-        ]
+        [x[list(f)] @ np.roll(y[list(f)], -1) - y[list(f)] @ np.roll(x[list(f)], -1) for f in pattern.faces_vertices]
     )
     np.testing.assert_array_equal(np.sign(area), pattern.facet_signs(CFL if t == 0 else FL))
 

@@ -29,9 +29,7 @@ def halves(quads: np.ndarray) -> np.ndarray:
     return np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def brute_force(
-    points: np.ndarray, vertices: np.ndarray, triangles: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def brute_force(points: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distances (N,) from all triangles: planes where the foot is inside, else their sides; and the feet."""
     best, feet = np.full(len(points), np.inf), np.empty_like(points)
 
@@ -65,9 +63,7 @@ def test_closest_points_by_brute_force() -> None:
 def test_weights_inside_on_the_border_and_at_corners() -> None:
     turn = rotation(5)
     target = MeshTarget(np.array(SQUARE, float) @ turn, np.array([[0, 1, 2], [0, 2, 3]]))
-    points = np.array(
-        [[0.3, 0.6, 0.2], [0.5, 0.5, 1], [0.5, -1, 0.3], [1.5, 0.4, -2], [2, 2, 1], [-1, 1.1, 0.1]]
-    )
+    points = np.array([[0.3, 0.6, 0.2], [0.5, 0.5, 1], [0.5, -1, 0.3], [1.5, 0.4, -2], [2, 2, 1], [-1, 1.1, 0.1]])
     kinds = [[0, 0, 1], [0, 0, 1], [0, 1, 1], [1, 0, 1], [1, 1, 1], [1, 1, 1]]
     closest = target.closest(points @ turn)
     assert_close(closest.feet @ turn.T, np.clip(points, [0, 0, 0], [1, 1, 0]), 1e-14)
@@ -83,10 +79,7 @@ def test_weights_give_distances_of_first_order() -> None:
     closest = target.closest(points)
     away = points - closest.feet
     smooth = (
-        np.abs(
-            np.linalg.norm(np.einsum("nij,nj->ni", closest.weights, away), axis=1) - target.distances(points)
-        )
-        < 1e-9
+        np.abs(np.linalg.norm(np.einsum("nij,nj->ni", closest.weights, away), axis=1) - target.distances(points)) < 1e-9
     )
     assert smooth.sum() > 300
     step = rng.standard_normal((600, 3))
@@ -139,9 +132,7 @@ def test_triangles_from_files(ending: str, tmp_path: Path) -> None:
     exact = MeshTarget(vertices, halves(quads)).distances(points)
     assert_close(target.distances(points), exact, 1e-6)  # several formats hold single precision
     assert len(target.triangles()[1]) == 72
-    assert target.samples()[1].sum() == pytest.approx(
-        MeshTarget(vertices, halves(quads)).samples()[1].sum(), rel=1e-6
-    )
+    assert target.samples()[1].sum() == pytest.approx(MeshTarget(vertices, halves(quads)).samples()[1].sum(), rel=1e-6)
 
 
 @pytest.mark.parametrize("binary", [True, False])
@@ -222,7 +213,6 @@ def test_files_that_are_refused(name: str, content: str | bytes, match: str, tmp
     assert caught.value.where == str(path)
 
 
-# Fails: vertex 9 is named, the centroid of a quad, of which the file knows nothing.
 def test_numbers_that_are_not_finite_in_other_formats(tmp_path: Path) -> None:
     vertices, quads = bumpy(2)
     vertices[4, 2] = np.nan

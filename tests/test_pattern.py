@@ -34,9 +34,7 @@ def kagome() -> list[list[int]]:
 
 
 def words(pattern: Pattern) -> dict[frozenset[int], int]:
-    return dict(
-        zip(map(frozenset, pattern.edges_vertices.tolist()), pattern.edges_type.tolist(), strict=True)
-    )
+    return dict(zip(map(frozenset, pattern.edges_vertices.tolist()), pattern.edges_type.tolist(), strict=True))
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -68,15 +66,11 @@ def test_rings_close_around_their_vertex(name: str) -> None:
     pattern = ALL[name]().pattern
     degree = np.bincount(pattern.edges_vertices.ravel())
     on_boundary = np.unique(pattern.edges_vertices[pattern.edges_faces[:, 1] < 0])
-    np.testing.assert_array_equal(
-        pattern.interior_vertices, np.setdiff1d(np.arange(pattern.n_vertices), on_boundary)
-    )
+    np.testing.assert_array_equal(pattern.interior_vertices, np.setdiff1d(np.arange(pattern.n_vertices), on_boundary))
     assert set(degree[pattern.interior_vertices]) == {4}
     corners = set(map(tuple, pattern.corners.tolist()))
     for row, v in enumerate(pattern.interior_vertices.tolist()):
-        ring, edges, faces = (
-            t[row].tolist() for t in (pattern.ring_vertices, pattern.ring_edges, pattern.ring_faces)
-        )
+        ring, edges, faces = (t[row].tolist() for t in (pattern.ring_vertices, pattern.ring_edges, pattern.ring_faces))
         for k in range(4):
             assert set(pattern.edges_vertices[edges[k]]) == {v, ring[k]}
             # A facet turning counter-clockwise comes in from the later spoke, goes out along the earlier.

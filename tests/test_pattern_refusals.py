@@ -41,7 +41,6 @@ def test_a_vertex_that_is_not_there_is_named() -> None:
     refuse([*QUADS[:3], [4, 7, 9, 5]], 9, "vertex 9, but there are 9 vertices")
 
 
-# Fails: the message names the largest vertex of all instead.
 def test_a_negative_vertex_is_named() -> None:
     refuse([*QUADS[:3], [4, 7, -1, 5]], 9, "vertex -1")
 
@@ -98,7 +97,6 @@ def test_a_vertex_with_two_closed_fans() -> None:
     refuse(upper + lower, 9, "vertex 0 ")
 
 
-# Fails: the ring goes round the first fan twice and passes; refused later without the vertex.
 def test_a_vertex_with_two_closed_fans_of_four_edges_together() -> None:
     refuse([[0, 1, 5, 2], [0, 2, 6, 1], [0, 3, 7, 4], [0, 4, 8, 3]], 9, "vertex 0 ")
 
@@ -125,9 +123,7 @@ def test_closed_surfaces_and_handles() -> None:
 def test_an_odd_number_of_lines_round_a_hole(kind: int, word: str) -> None:
     """Five facets around, of whose axial lines one is of this kind: a flat state does not exist."""
     faces = [
-        [3 * i + j, 3 * ((i + 1) % 5) + j, 3 * ((i + 1) % 5) + j + 1, 3 * i + j + 1]
-        for i in range(5)
-        for j in range(2)
+        [3 * i + j, 3 * ((i + 1) % 5) + j, 3 * ((i + 1) % 5) + j + 1, 3 * i + j + 1] for i in range(5) for j in range(2)
     ]
 
     def types(edges: np.ndarray) -> np.ndarray:
@@ -135,4 +131,4 @@ def test_an_odd_number_of_lines_round_a_hole(kind: int, word: str) -> None:
         axial = edges[:, 0] // 3 == edges[:, 1] // 3
         return np.where(axial & (edges[:, 0] // 3 == 2), kind, other).astype(np.int8)
 
-    refuse(faces, 15, rf"the number of {word} lines around a hole is odd \(seen at edge \d+-\d+\)", types)
+    refuse(faces, 15, rf"the number of {word} lines around a hole is odd.* seen at edge \d+-\d+", types)

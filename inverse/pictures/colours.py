@@ -21,11 +21,13 @@ EDGE_COLOURS = {
 PAPER = "#fbf9f4"  # sheets of the crease pattern
 INK = "#2b2b2b"  # text
 FACET_EDGE = "#40342b"  # edges of a facet in the 3D pictures
+LAYER_EDGE = "#8a7767"  # the same where many layers lie over each other
 
 # Facets from darkest to brightest, as the light falls on them; the two sides of the surface differ.
 WARM: Shades = ("#b0744a", "#fdf3de")
 COOL: Shades = ("#41566a", "#b9c9d6")
 TARGET = ("#2f7fb5", "#8fc7ea")
+TARGET_OPACITY = 0.35
 WALL = ("#a9a9a6", "#efefec")
 ROOF = ("#a98272", "#e8cdbf")
 CONTEXT_EDGE = "#8d8d89"

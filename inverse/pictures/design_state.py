@@ -11,7 +11,7 @@ from inverse.pattern import Design, FloatArray, IntArray
 from inverse.pictures import drawing
 from inverse.pictures.camera import basis, clear_view, perspective
 from inverse.pictures.rendering import render
-from inverse.pictures.scene import Scene
+from inverse.pictures.scene import Scene, cells_of
 
 Surface = tuple[FloatArray, IntArray]
 _SIZE = (1920, 1440)
@@ -46,24 +46,24 @@ def design_scene(design: Design, target: Surface | None, context: Surface | None
     view = basis(azimuth, elevation)
     if context is not None:
         view = clear_view(points, (azimuth, elevation), *context)
-    camera = perspective(points, view, _SIZE, 0.86 if context is None else 0.48)
-    eye = np.array(camera.position)
-    scene = Scene(_SIZE, camera)
-
-    facets, edges = drawing.structure(pattern, points, view, eye, camera.pixel, drawing.sides_of(pattern, points, view))
-    size = geometry.diagonal(points)
+    size, cells, count = geometry.diagonal(points), cells_of(pattern.faces_vertices), len(pattern.faces_vertices)
+    height = float(points[:, 2].min()) - 0.05 * size if context is None else float(context[0][:, 2].min())
+    own_shadow = drawing.shadow(points, cells, count, view, height)
     if context is None:
-        height = float(points[:, 2].min()) - 0.05 * size
+        camera = perspective(np.concatenate([points, own_shadow.points]), view, _SIZE, 0.9)
     else:
-        height = float(context[0][:, 2].min())
+        camera = perspective(points, view, _SIZE, 0.48)
+    scene = Scene(_SIZE, camera)
+    if context is not None:
         walls, corners = drawing.buildings(*context, view)
         reach = max(geometry.diagonal(context[0][:, :2]), size)
         scene.facets.append(drawing.ground(points.mean(axis=0), 1.6 * reach, height - 2e-3 * size))
         scene.facets.append(drawing.shadow(walls.points, walls.cells, len(context[1]), view, height - 1e-3 * size))
         scene.facets.append(walls)
         scene.lines.append(corners)
-    scene.facets.append(drawing.shadow(points, facets.cells, len(pattern.faces_vertices), view, height))
-    scene.facets.append(facets)
+    sides = drawing.sides_of(pattern, points, view)
+    facets, edges = drawing.structure(pattern, points, view, np.array(camera.position), camera.pixel, sides)
+    scene.facets.extend([own_shadow, facets])
     scene.lines.append(edges)
     if target is not None:
         surface, rim = drawing.target(*target, view)

@@ -25,6 +25,8 @@ def structure(
     eye: FloatArray | None,
     pixel: float,
     sides: tuple[colours.Shades, colours.Shades],
+    *,
+    faint: bool = False,
 ) -> tuple[Facets, Lines]:
     """Facets and edges of a mesh.
 
@@ -35,6 +37,7 @@ def structure(
         eye: (3,) position of the viewer, None if far away.
         pixel: length of a pixel.
         sides: colours of the top side and of the other one.
+        faint: whether edges are drawn faintly, for stacks of layers that they would blacken.
     """
     normals = geometry.facet_normals(pattern, points)
     gaze = view[2] if eye is None else eye - geometry.facet_centroids(pattern, points)
@@ -42,9 +45,9 @@ def structure(
     share = _brightness(np.where(front, normals, -normals), light_of(view))
     shown = np.where(front, colours.blend(sides[0], share), colours.blend(sides[1], share))
     length = float(np.median(geometry.edge_lengths(pattern, points)))
-    width = float(np.clip(0.035 * length / pixel, 0.5, 2.0))
-    ink = np.tile(colours.rgb(colours.FACET_EDGE), (len(pattern.edges_vertices), 1))
-    edges = Lines(points, pattern.edges_vertices, ink, width)
+    width = float(np.clip(0.035 * length / pixel, 0.5, 2.0)) * (0.5 if faint else 1.0)
+    ink = colours.rgb(colours.LAYER_EDGE if faint else colours.FACET_EDGE)
+    edges = Lines(points, pattern.edges_vertices, np.tile(ink, (len(pattern.edges_vertices), 1)), width)
     return Facets(points, cells_of(pattern.faces_vertices), shown), edges
 
 
@@ -60,12 +63,10 @@ def sides_of(pattern: Pattern, points: FloatArray, view: FloatArray) -> tuple[co
 
 def target(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple[Facets, Lines]:
     """A translucent surface and its rim."""
-    facets = Facets(
-        vertices,
-        cells_of(triangles),
-        colours.blend(colours.TARGET, _brightness(_normals(vertices, triangles, view), light_of(view))),
-        0.3,
-    )
+    # Blended in their order, far ones first: depth peeling shows nothing with some software renderers.
+    triangles = triangles[np.argsort((vertices[triangles] @ view[2]).mean(axis=1), kind="stable")]
+    share = _brightness(_normals(vertices, triangles, view), light_of(view))
+    facets = Facets(vertices, cells_of(triangles), colours.blend(colours.TARGET, share), colours.TARGET_OPACITY)
     rim = _sharp_edges(vertices, triangles, None)
     return facets, Lines(vertices, rim, np.tile(colours.rgb(colours.TARGET[0]), (len(rim), 1)), 1.2)
 
