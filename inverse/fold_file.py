@@ -46,19 +46,19 @@ def document(design: Design) -> dict[str, Any]:
     return root
 
 
-def write(design: Design, path: Path) -> None:
+def write(design: Design, path: Path | str) -> None:
     """Write a design file, whole or not at all; coordinates keep every bit."""
-    write_atomically(path, json.dumps(document(design), allow_nan=False) + "\n")
+    write_atomically(Path(path), json.dumps(document(design), allow_nan=False) + "\n")
 
 
-def read(path: Path) -> Design:
+def read(path: Path | str) -> Design:
     """Read a design file; :func:`write` followed by :func:`read` gives the same design.
 
     Raises:
         InputError: the file is not a valid design, see :func:`inverse.fold_format.read_frame` and
             :meth:`inverse.pattern.Pattern.from_faces`.
     """
-    frame = read_frame(path)
+    frame = read_frame(Path(path))
     try:
         return _design(frame)
     except InputError as error:

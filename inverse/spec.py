@@ -220,7 +220,7 @@ class Loaded:
         raise self.source.error(keys, f"there is no file {path}.{suggestion}")
 
 
-def load(path: Path, overrides: Sequence[str] = ()) -> Loaded:
+def load(path: Path | str, overrides: Sequence[str] = ()) -> Loaded:
     """Read and validate a specification.
 
     Args:

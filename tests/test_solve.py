@@ -208,6 +208,19 @@ def test_sides_that_hang_on_eaves(pattern: str) -> None:
     assert off_polyline(table[0, 1::2], LEFT).min() > 1e-4
 
 
+def test_vertices_slide_round_the_corners_of_a_polyline() -> None:
+    """The fourth vertex that is held starts beyond a corner from where it ends."""
+    line = [[-0.6, -0.7, 0.25], [-0.6, -0.6, 0.33], [-0.55, 0.2, 0.33], [-0.6, 0.7, 0.25]]
+    sides = [("u0", line), ("u1", [[-x, y, z] for x, y, z in line])]
+    anchors = [{"side": side, "every": 2, "to": {"polyline": to}} for side, to in sides]
+    result = inverse.solve(task(pattern={"size": [8, 8]}, constraints={"anchors": anchors}))
+    assert_good(result)
+    assert len(result.report["attempts"]) > 1
+    assert result.seed.vertices_coords[6, 1] > 0.21
+    assert result.design.vertices_coords[6, 1] < 0.19
+    assert off_polyline(result.design.vertices_coords[:9:2], line).max() < 1e-9
+
+
 def test_single_vertices_on_a_point_a_plane_and_a_circle() -> None:
     normal = [0.0, 0.6, 0.8]
     anchors = [

@@ -19,7 +19,7 @@ from inverse.fold_format import FoldFrame, read_frame
 __all__ = ["Certificate", "Check", "Loop", "check", "check_frame"]
 
 
-def check(path: Path) -> Certificate:
+def check(path: Path | str) -> Certificate:
     """Certify a design file.
 
     Args:
@@ -31,7 +31,7 @@ def check(path: Path) -> Certificate:
     Raises:
         InputError: the file cannot be read as a design, see :func:`inverse.fold_format.read_frame`.
     """
-    return check_frame(read_frame(path))
+    return check_frame(read_frame(Path(path)))
 
 
 def check_frame(frame: FoldFrame) -> Certificate:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -135,13 +136,13 @@ def _number_seams(svg: ET.Element, design: Design, sheets: list[Sheet], page: _P
 
 
 def _seam_numbers(design: Design, stride: int) -> dict[int, int]:
-    """Numbers of every ``stride``-th edge of the complementary foldlines, counted from 1 along one line after another."""
+    """Numbers of every ``stride``-th edge of the complementary foldlines, counted along one line after another."""
     pattern = design.pattern
     edge_of = {frozenset(pair): k for k, pair in enumerate(pattern.edges_vertices.tolist())}
     numbers: dict[int, int] = {}
     count = 0
     for line in pattern.lines:
-        edges = [edge_of[frozenset(pair)] for pair in zip(line, line[1:], strict=False)]
+        edges = [edge_of[frozenset(pair)] for pair in pairwise(line)]
         if pattern.edges_type[edges[0]] == CFL:
             numbers |= {edge: count + k + 1 for k, edge in enumerate(edges) if k % stride == 0}
             count += len(edges)
@@ -194,7 +195,8 @@ def _scale_bar(svg: ET.Element, page: _Page, unit: str) -> None:
     group.set("stroke-width", "1.5")
     ET.SubElement(group, "path", d=f"M{_px(left)} {_px(y - 5)}V{_px(y)}H{_px(right)}V{_px(y - 5)}")
     words = f"{length:g} {unit}" if unit != "unit" else f"{length:g} units"
-    label = _text(svg, words, (left + right) / 2, y - 8, 13)
+    label = _text(group, words, (left + right) / 2, y - 8, 13)
+    label.set("stroke", "none")
     label.set("text-anchor", "middle")
 
 

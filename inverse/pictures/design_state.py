@@ -46,11 +46,18 @@ def design_scene(design: Design, target: Surface | None, context: Surface | None
     view = basis(azimuth, elevation)
     if context is not None:
         view = clear_view(points, (azimuth, elevation), *context)
-    size, cells, count = geometry.diagonal(points), cells_of(pattern.faces_vertices), len(pattern.faces_vertices)
+    size, cells, count = (
+        geometry.diagonal(points),
+        cells_of(pattern.faces_vertices),
+        len(pattern.faces_vertices),
+    )
     height = float(points[:, 2].min()) - 0.05 * size if context is None else float(context[0][:, 2].min())
     own_shadow = drawing.shadow(points, cells, count, view, height)
     if context is None:
-        camera = perspective(np.concatenate([points, own_shadow.points]), view, _SIZE, 0.9)
+        shown = [points, own_shadow.points]
+        if target is not None and geometry.diagonal(target[0]) < 2 * size:
+            shown.append(target[0])
+        camera = perspective(np.concatenate(shown), view, _SIZE, 0.9)
     else:
         camera = perspective(points, view, _SIZE, 0.48)
     scene = Scene(_SIZE, camera)

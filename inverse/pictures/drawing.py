@@ -94,7 +94,9 @@ def ground(centre: FloatArray, radius: float, height: float) -> Facets:
     share = 1 - (i + 0.5) / rings
     fade = share * share * (3 - 2 * share)
     return Facets(
-        points, cells_of(np.stack([a, a + spokes, b + spokes, b], axis=1)), colours.blend(colours.GROUND, fade)
+        points,
+        cells_of(np.stack([a, a + spokes, b + spokes, b], axis=1)),
+        colours.blend(colours.GROUND, fade),
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +106,7 @@ class _Seam:
 
 def _seams(pattern: Pattern, sheet_of: IntArray, plane: ComplexArray, upwards: NDArray[np.bool_]) -> list[list[_Seam]]:
     """The seams of every sheet."""
-    line_of = {frozenset(pair): k for k, line in enumerate(pattern.lines) for pair in zip(line, line[1:], strict=False)}
+    line_of = {frozenset(pair): k for k, line in enumerate(pattern.lines) for pair in pairwise(line)}
     found: list[dict[tuple[int, int], _Seam]] = [{} for _ in range(int(sheet_of.max()) + 1)]
     for edge in np.flatnonzero(pattern.edges_type == CFL).tolist():
         tail, head = pattern.edges_vertices[edge].tolist()

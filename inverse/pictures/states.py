@@ -47,19 +47,17 @@ def states_scene(design: Design) -> Scene:
     states = [_centred(state, view[0], back) for state in states]
     widths = np.array([np.ptp(state @ view[0]) for state in states])
     words = np.array([0.56 * _TEXT * len(title) for title in _TITLES])
-    pixel, gap = 0.0, 0.12 * widths.max()
+    upwards = np.concatenate(states) @ view[1]
+    gap, tall = 0.12 * widths.max(), float(np.ptp(upwards))
+    pixel = least = tall / (_WIDTH - 2 * _MARGIN - _FOOT)
     for _ in range(20):  # the captions' lengths on the ground depend on the scale, and the scale on them
         cells = np.maximum(widths, words * pixel) + gap
-        pixel = float(cells.sum() - gap) / (_WIDTH - 2 * _MARGIN)
+        pixel = max(least, float(cells.sum() - gap) / (_WIDTH - 2 * _MARGIN))
     middles = np.cumsum(cells) - cells / 2
     placed = [state + x * view[0] for state, x in zip(states, middles, strict=True)]
-    whole = np.concatenate(placed)
-    low, high = (whole @ view[1]).min(), (whole @ view[1]).max()
-    wanted = float(high - low) / pixel + 2 * _MARGIN + _FOOT
-    pixel *= max(1.0, wanted / _WIDTH)
-    height = int(np.clip(16 * np.ceil(wanted / 16), _LEAST_HEIGHT, _WIDTH))
-    centre = np.array([(cells.sum() - gap) / 2, (low + high) / 2 - _FOOT / 2 * pixel])
-    camera = parallel(whole, view, pixel, centre, height)
+    height = int(np.clip(16 * np.ceil((tall / pixel + 2 * _MARGIN + _FOOT) / 16), _LEAST_HEIGHT, _WIDTH))
+    centre = np.array([cells.sum() / 2, (upwards.min() + upwards.max()) / 2 - _FOOT / 2 * pixel])
+    camera = parallel(np.concatenate(placed), view, pixel, centre, height)
     scene = Scene((_WIDTH, height), camera)
     sides = drawing.sides_of(pattern, points, view)
     faint = (_has_layers(design, 0.0), False, _has_layers(design, np.pi))
