@@ -54,6 +54,7 @@ def build(loaded: Loaded, model: DesignModel) -> tuple[list[Constraint], list[Po
     """
     fixed, sliding = [], []
     held: dict[int, int] = {}
+    taken: dict[tuple[float, ...], int] = {}
     total = 0
     for k, anchor in enumerate(loaded.specification.constraints.anchors):
         vertices = _vertices(loaded, k, anchor, model.pattern)
@@ -64,6 +65,10 @@ def build(loaded: Loaded, model: DesignModel) -> tuple[list[Constraint], list[Po
                 _key(k, "to"), f"{len(vertices)} vertices are anchored to one point, where they would coincide",
                 "Anchor a single vertex to a point, or a side to a polyline.",
             )  # fmt: skip
+        if anchor.to.point is not None and taken.setdefault(anchor.to.point, int(vertices[0])) != vertices[0]:
+            raise loaded.source.error(
+                _key(k, "to"), f"vertex {vertices[0]} is anchored to the point where vertex {taken[anchor.to.point]} is"
+            )
         for vertex in vertices.tolist():
             held[vertex] = held.get(vertex, 0) + rows
             if held[vertex] > 3:

@@ -252,8 +252,9 @@ def hard_constraints(model: DesignModel, bounds: dict[str, Range]) -> list[Const
         model: the model.
         bounds: limits of each name in ``BOUNDED``; angles in radians, lengths as factors of the seed's.
     """
-    vertices = [opposite_angles(model)] if len(model.pattern.interior_vertices) else []
-    return [*vertices, *planarity(model), *(BOUNDED[name](model, limits) for name, limits in bounds.items())]
+    terms = [opposite_angles(model), *planarity(model)]
+    terms += [BOUNDED[name](model, limits) for name, limits in bounds.items()]
+    return [term for term in terms if term.elements.count]
 
 
 def _cosine(a: casadi.SX, b: casadi.SX) -> casadi.SX:

@@ -109,9 +109,7 @@ def flat_state(design: Design, t: float) -> FloatArray:
     pattern = design.pattern
     coords = fold(design, np.array([t])).vertices_coords[0]
     a, b, c = coords[list(pattern.faces_vertices[0][:3])]
-    x = (b - a) / np.linalg.norm(b - a)
-    z = np.cross(b - a, c - a)
-    z /= np.linalg.norm(z)
+    x, z = geometry.unit(b - a), geometry.unit(np.cross(b - a, c - a))
     flat = (coords - coords.mean(axis=0)) @ np.stack([x, np.cross(z, x), z], axis=1)
     return np.asarray(flat)
 
@@ -137,7 +135,7 @@ class _Hinges:
 def _hinge_rotations(design: Design, turned: FloatArray) -> _Hinges:
     points, pattern = design.vertices_coords, design.pattern
     a, b = points[pattern.edges_vertices].transpose(1, 0, 2)
-    axis = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    axis = geometry.unit(b - a)
     # A growing valley angle lifts the right-hand facet, which turns it negatively about the edge direction.
     sine, versine = np.sin(-turned)[..., None, None], (1 - np.cos(turned))[..., None, None]
     x, y, z = axis.T

@@ -12,6 +12,12 @@ def diagonal(points: FloatArray) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
+def unit(vectors: FloatArray) -> FloatArray:
+    """Vectors (..., 3) divided by their lengths; zero stays zero, so that a degenerate mesh can be looked at."""
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0))
+
+
 def edge_lengths(pattern: Pattern, points: FloatArray) -> FloatArray:
     """Edge lengths, (E,), of vertices ``points`` (V, 3)."""
     a, b = pattern.edges_vertices.T
@@ -32,7 +38,7 @@ def facet_normals(pattern: Pattern, points: FloatArray) -> FloatArray:
     origin = points[[f[0] for f in pattern.faces_vertices]][face]
     total = np.zeros((len(pattern.faces_vertices), 3))
     np.add.at(total, face, np.cross(points[vertex] - origin, points[following] - origin))
-    return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
+    return unit(total)
 
 
 def sector_angles(pattern: Pattern, points: FloatArray) -> FloatArray:
@@ -48,7 +54,7 @@ def fold_angles(pattern: Pattern, points: FloatArray) -> FloatArray:
     inner = pattern.interior_edges
     left, right = normals[pattern.edges_faces[inner]].transpose(1, 0, 2)
     a, b = points[pattern.edges_vertices[inner]].transpose(1, 0, 2)
-    along = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    along = unit(b - a)
     # Walking along the edge with the left facet on the left, a valley turns the right facet's normal back
     # over the left one: positive about the edge direction from right to left.
     sine = np.einsum("ij,ij->i", along, np.cross(right, left))

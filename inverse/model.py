@@ -61,7 +61,7 @@ class DesignModel:
     def variables_of(vertices: IntArray) -> IntArray:
         """Places, (N, 3k), of the coordinates of vertices (N, k) in the vector of variables."""
         places = 3 * vertices[:, :, None] + np.arange(3)
-        return places.reshape(len(vertices), -1)
+        return places.reshape(len(vertices), 3 * vertices.shape[1])
 
 
 @dataclass(frozen=True, eq=False)

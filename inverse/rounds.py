@@ -18,11 +18,15 @@ from inverse.formulate import Formulation
 from inverse.ipopt import Progress, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
+from inverse.refine import polish
 
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
+NEAR = 1e-2  # an interrupted run keeps iterates with violations up to this, if a polish removes them
 CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
+
+Iterate = tuple[float, float, FloatArray]  # violation, objective, variables
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +67,8 @@ class Rounds:
     watch: Callable[[str, Progress], None]
     stop: threading.Event = field(default_factory=threading.Event)
     attempts: list[dict[str, Any]] = field(default_factory=list)
-    _best: tuple[float, float, FloatArray] = (np.inf, np.inf, np.empty(0))
+    _feasible: Iterate = (np.inf, np.inf, np.empty(0))
+    _near: Iterate = (np.inf, np.inf, np.empty(0))
 
     @property
     def stopped(self) -> bool:
@@ -97,7 +102,7 @@ class Rounds:
             attempt = solver.run(x, parameters, multipliers)
             x, multipliers = attempt.variables, attempt.multipliers
             if self.stopped:
-                x = self._best[2]
+                x = self._kept(problem, parameters)
             points = model.to_lengths(x.reshape(-1, 3))
             rms = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)))
             self.attempts.append(
@@ -126,6 +131,12 @@ class Rounds:
                 # is the answer, stationary for the tangent planes that it was solved with.
                 return min(history, key=lambda entry: entry[0])[1]
 
+    def _kept(self, problem: Problem, parameters: FloatArray) -> FloatArray:
+        """The best design so far: an iterate that a polish makes feasible, else the best that was so itself."""
+        polished = polish(problem, self._near[2], parameters)
+        worst = max(size for size, _ in problem.violations(polished, parameters).values())
+        return polished if worst <= verdict.BOUND else self._feasible[2]
+
     def _crossing(self, x: FloatArray) -> IntArray:
         """Pairs of facets that cross, and those like them."""
         pattern = self.formulation.goal.model.pattern
@@ -138,12 +149,17 @@ class Rounds:
         return problem, Solver(problem, self.tolerance, self.max_iterations, self._report)
 
     def _report(self, progress: Progress) -> bool:
-        """Keep the best iterate; False stops IPOPT."""
-        rank = (max(progress.violation, verdict.BOUND), progress.objective)
-        if rank < self._best[:2]:
-            self._best = (*rank, progress.variables)
+        """Keep the best iterates; False stops IPOPT."""
+        self._feasible = _better(self._feasible, progress, verdict.BOUND)
+        self._near = _better(self._near, progress, NEAR)
         self.watch(f"round {len(self.attempts) + 1}", progress)
         return not self.stopped
+
+
+def _better(best: Iterate, progress: Progress, tolerated: float) -> Iterate:
+    """The better of two iterates: violations below what is tolerated do not count, then the objective does."""
+    rank = (max(progress.violation, tolerated), progress.objective)
+    return (*rank, progress.variables) if rank < best[:2] else best
 
 
 def _no_gain(rms: list[float]) -> bool:

@@ -19,6 +19,7 @@ from inverse.target.mesh import MeshTarget
 STATIONARITY = 1e-6
 COMPLEMENTARITY = 1e-2
 EQUATION = 1e-9
+SETTLED_GAP = 1e-10  # where the objective itself vanishes: (a hundred-thousandth of an edge) squared
 BOUND = 1e-7  # IPOPT relaxes bounds by 1e-8 to have an interior
 
 
@@ -48,7 +49,7 @@ def judge(
     failed = []
     if not steepness <= STATIONARITY:
         failed.append(f"the design is not stationary: gradient {steepness:.2g} of the seed's, {STATIONARITY:g} allowed")
-    if not gap <= COMPLEMENTARITY * value + 1e-14:
+    if not gap <= COMPLEMENTARITY * value + SETTLED_GAP:
         failed.append(f"bounds are not settled: multipliers times slacks {gap:.2g}, objective {value:.2g}")
     for name, (size, where) in violations.items():
         allowed = EQUATION if name in equations else BOUND

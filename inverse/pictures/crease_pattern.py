@@ -19,6 +19,7 @@ from inverse.pictures.sheets import Sheet, lay_out
 # The page, in pixels.
 _DRAWING = (1400.0, 1000.0)  # the drawing fits into this box
 _MARGIN, _HEAD, _FOOT, _LEAST_WIDTH = 48.0, 78.0, 92.0, 1100.0
+_LEAST_TEXT = 5.0
 
 
 def crease_pattern_picture(design: Design, path: Path) -> None:
@@ -121,9 +122,8 @@ def _number_seams(svg: ET.Element, design: Design, sheets: list[Sheet], page: _P
     number = _seam_numbers(design, 1 if edge_px > 30 else math.ceil(80 / edge_px))
     if not number:
         return
-    size = min(11.0, max(5.0, 0.2 * edge_px))
+    size = min(11.0, max(_LEAST_TEXT, 0.2 * edge_px))
     group = ET.SubElement(svg, "g", id="seams", fill=INK)
-    group.set("font-size", _px(size))
     group.set("text-anchor", "middle")
     for sheet in sheets:
         facets = set(sheet.faces.tolist())
@@ -156,11 +156,14 @@ def _label(group: ET.Element, ends: FloatArray, inside: FloatArray, text: str, p
     if along[0] < -1e-9 or (abs(along[0]) <= 1e-9 and along[1] > 0):
         along = -along
     inwards = np.array([-along[1], along[0]])
-    side = 1.0 if (c - a) @ inwards > 0 else -1.0
+    depth = float((c - a) @ inwards)  # to the middle of the facet, where a number on its other side begins
+    size = max(_LEAST_TEXT, min(size, 0.8 * abs(depth)))
     # The base line lies below the middle of the digits, which are 0.7 of the size high.
-    x, y = (a + b) / 2 + inwards * (side * 0.75 + 0.35) * size
+    x, y = (a + b) / 2 + inwards * (math.copysign(0.7, depth) + 0.35) * size
     angle = math.degrees(math.atan2(along[1], along[0]))
-    ET.SubElement(group, "text", transform=f"translate({_px(x)} {_px(y)}) rotate({_px(angle)})").text = text
+    label = ET.SubElement(group, "text", transform=f"translate({_px(x)} {_px(y)}) rotate({_px(angle)})")
+    label.set("font-size", _px(size))
+    label.text = text
 
 
 def _head(svg: ET.Element, design: Design, n_sheets: int) -> None:

@@ -46,13 +46,9 @@ def design_scene(design: Design, target: Surface | None, context: Surface | None
     view = basis(azimuth, elevation)
     if context is not None:
         view = clear_view(points, (azimuth, elevation), *context)
-    size, cells, count = (
-        geometry.diagonal(points),
-        cells_of(pattern.faces_vertices),
-        len(pattern.faces_vertices),
-    )
+    size, cells = geometry.diagonal(points), cells_of(pattern.faces_vertices)
     height = float(points[:, 2].min()) - 0.05 * size if context is None else float(context[0][:, 2].min())
-    own_shadow = drawing.shadow(points, cells, count, view, height)
+    own_shadow = drawing.shadow(points, cells, len(pattern.faces_vertices), view, height)
     if context is None:
         shown = [points, own_shadow.points]
         if target is not None and geometry.diagonal(target[0]) < 2 * size:
