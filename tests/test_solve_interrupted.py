@@ -57,7 +57,6 @@ def test_what_a_watch_raises_comes_out(error: BaseException) -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-# Fails at 4 and 10: the seed is kept, since iterates count by their own violation and not by the polished one's.
 @pytest.mark.parametrize("at", [0, 4, 10])
 def test_ctrl_c_keeps_the_best_design(at: int) -> None:
     told = Told()
@@ -154,7 +153,6 @@ def test_an_objective_of_ones_own() -> None:
 # ---- the smallest tasks
 
 
-# Fails: two- and three-row sheets fit exactly, and a tolerance relative to an objective of zero is none.
 @pytest.mark.parametrize("size", [[2, 2], [2, 3], [3, 3]])
 def test_a_sheet_that_fits_exactly_has_converged(size: list[int]) -> None:
     result = inverse.solve(task(pattern={"size": size}))
@@ -162,13 +160,11 @@ def test_a_sheet_that_fits_exactly_has_converged(size: list[int]) -> None:
     assert result.status == "certified and converged"
 
 
-# Fails for the same reason.
 def test_without_objectives_the_seed_is_a_solution() -> None:
     result = inverse.solve(task(objectives=dict.fromkeys(objectives.OBJECTIVES, 0)))
     assert result.status == "certified and converged"
 
 
-# Fails: a constraint without elements cannot be reshaped.
 def test_one_facet() -> None:
     result = inverse.solve(task(pattern={"size": [1, 1]}))
     assert result.report["size"]["facets"] == 1
