@@ -32,7 +32,7 @@ def polish(problem: Problem, variables: FloatArray, parameters: FloatArray, *, s
         return variables
     best, best_size = variables, np.inf
     x = variables
-    for _ in range(steps):
+    for _ in range(steps + 1):  # the last step is looked at too
         rows, jacobian = problem.rows_and_jacobian(x, parameters)
         residual = rows[equations] - problem.lower[equations]
         size = float(np.abs(residual).max())

@@ -266,5 +266,7 @@ def _doubling_back(points: FloatArray, pattern: Pattern) -> str | None:
         return None
     i, j = np.divmod(pairs, columns)
     worst = int(np.argmin(np.maximum(i.max(axis=1), j.max(axis=1))))
-    line = f"u line {i[worst].max()}" if np.ptp(i[worst]) else f"v line {j[worst].max()}"
+    # The last row of vertices is the border: what comes to lie on it turned back at the line before.
+    m, n = points.shape[0] - 1, points.shape[1] - 1
+    line = f"u line {min(i[worst].max(), m - 1)}" if np.ptp(i[worst]) else f"v line {min(j[worst].max(), n - 1)}"
     return f"{what}, first at {line} (counted from 1)"

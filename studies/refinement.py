@@ -1,6 +1,6 @@
 """How the fit to a dome improves with the number of facets, for a Miura pattern and an eggbox.
 
-    python -m studies.refinement
+python -m studies.refinement
 """
 
 from __future__ import annotations

@@ -86,9 +86,7 @@ def test_the_default_origin_is_the_middle_at_ground_level_in_whole_metres(vienna
 
 
 @pytest.mark.parametrize(("name", "towards"), [(WEST, (1.0, 0.0)), (EAST, (-3.0, 0.5))])
-def test_eaves_are_corners_of_a_roof_and_of_a_wall(
-    vienna: Context, name: str, towards: tuple[float, float]
-) -> None:
+def test_eaves_are_corners_of_a_roof_and_of_a_wall(vienna: Context, name: str, towards: tuple[float, float]) -> None:
     building = vienna.building(name)
     found = eaves(building, towards)
     assert found
@@ -119,9 +117,7 @@ def test_the_two_eaves_of_the_vault(vienna: Context) -> None:
 
 
 @pytest.mark.parametrize(("name", "ground", "pitch"), [(WEST, 3.134, 39.7), (EAST, 0.590, 35.8)])
-def test_ground_and_roof_pitch_of_the_two_houses(
-    vienna: Context, name: str, ground: float, pitch: float
-) -> None:
+def test_ground_and_roof_pitch_of_the_two_houses(vienna: Context, name: str, ground: float, pitch: float) -> None:
     house = vienna.building(name)
     feet = np.concatenate([surface.rings[0] for surface in house.of_kind("GroundSurface")])
     assert feet[:, 2].min() == pytest.approx(ground, abs=1e-9)
@@ -227,9 +223,7 @@ def test_a_single_city_json_file_is_read_too(tmp_path: Path, indent: int | None)
     assert context.ground == 0.0
     (building,) = context.buildings
     assert building.name == "house"
-    assert [s.kind for s in building.surfaces] == ["GroundSurface"] + 4 * ["WallSurface"] + 2 * [
-        "RoofSurface"
-    ]
+    assert [s.kind for s in building.surfaces] == ["GroundSurface"] + 4 * ["WallSurface"] + 2 * ["RoofSurface"]
     (eave,) = eaves(building, (1.0, 0.0))
     np.testing.assert_allclose(eave, [[2.0, -3.0, 3.0], [2.0, 3.0, 3.0]], atol=1e-9)
     # The gable has sloping roof edges only.
@@ -318,9 +312,7 @@ def degrees(city: dict[str, Any]) -> None:
         (degrees, "degrees"),
     ],
 )
-def test_faults_are_refused_in_words(
-    tmp_path: Path, change: Callable[[dict[str, Any]], object], says: str
-) -> None:
+def test_faults_are_refused_in_words(tmp_path: Path, change: Callable[[dict[str, Any]], object], says: str) -> None:
     city = house()
     change(city)
     with pytest.raises(InputError, match=says):

@@ -49,10 +49,7 @@ def test_values(text: str, expected: float) -> None:
 
 
 ORACLE = {
-    **{
-        name: getattr(np, name)
-        for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")
-    },
+    **{name: getattr(np, name) for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh")},
     **{name: getattr(np, f"arc{name[1:]}") for name in ("asin", "acos", "atan", "atan2")},
     "abs": np.abs,
     "hypot": np.hypot,

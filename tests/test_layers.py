@@ -119,9 +119,7 @@ def test_imports_follow_the_arrows(path: Path):
             elif other not in ARROWS[unit]:
                 wrong.append(f"line {line}: {unit} may not import {other}, only {sorted(ARROWS[unit])}")
     if wrong:
-        pytest.fail(
-            "\n".join([path.relative_to(PACKAGE.parent).as_posix(), *dict.fromkeys(wrong)]), pytrace=False
-        )
+        pytest.fail("\n".join([path.relative_to(PACKAGE.parent).as_posix(), *dict.fromkeys(wrong)]), pytrace=False)
 
 
 def test_one_file_speaks_to_nlopt():

@@ -127,9 +127,7 @@ def test_files_are_looked_up_beside_the_specification(tmp_path: Path) -> None:
     (tmp_path / "dom.obj").write_text("")
     loaded = load(path)
     assert loaded.file("pattern", "file") == tmp_path / "seed.fold"
-    with pytest.raises(
-        InputError, match=r"a\.yaml:3:16: there is no file .*dome.obj\. Did you mean dom\.obj\?"
-    ):
+    with pytest.raises(InputError, match=r"a\.yaml:3:16: there is no file .*dome.obj\. Did you mean dom\.obj\?"):
         loaded.file("target", "mesh")
     for name in ("a\0b", "x" * 5000, "none/a.obj"):
         with pytest.raises(InputError, match="there is no file"):
@@ -221,9 +219,7 @@ def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 
 PLACES_OF_FULL = [(mapping, path) for mapping in FULL for path in places(mapping) if path]
-words = st.sampled_from(
-    ["FL", "kind", "file", "grid", "mesh", "size", "point", "<word>", "<GridPattern>", "a.b", ""]
-)
+words = st.sampled_from(["FL", "kind", "file", "grid", "mesh", "size", "point", "<word>", "<GridPattern>", "a.b", ""])
 odd = st.one_of(
     st.none(),
     st.booleans(),
@@ -236,9 +232,7 @@ odd = st.one_of(
 )
 junk = st.recursive(
     odd,
-    lambda inner: (
-        st.lists(inner, max_size=3) | st.dictionaries(words | st.text(max_size=3), inner, max_size=3)
-    ),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(words | st.text(max_size=3), inner, max_size=3),
     max_leaves=8,
 )
 
@@ -275,12 +269,8 @@ def test_any_change_of_a_specification_is_read_or_refused(
 
 
 @settings(max_examples=100, deadline=None)
-@given(
-    st.lists(st.sampled_from(TEXT.splitlines(keepends=True)), max_size=20).map("".join), st.text(max_size=20)
-)
-def test_any_text_is_read_or_refused(
-    tmp_path_factory: pytest.TempPathFactory, text: str, override: str
-) -> None:
+@given(st.lists(st.sampled_from(TEXT.splitlines(keepends=True)), max_size=20).map("".join), st.text(max_size=20))
+def test_any_text_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, text: str, override: str) -> None:
     path = tmp_path_factory.getbasetemp() / "any.yaml"
     path.write_bytes(text.encode())
     try:

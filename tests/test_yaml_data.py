@@ -19,10 +19,7 @@ from inverse.yaml_source import MAX_BYTES, read
     [
         *[(text, None) for text in ("null", "~", "", "Null")],
         *[("true", True), ("False", False)],
-        *[
-            (text, text)
-            for text in ("nULL", "yes", "off", "1_000", "1e", ".", "2020-01-01", "1:30", "x^2 - 1")
-        ],
+        *[(text, text) for text in ("nULL", "yes", "off", "1_000", "1e", ".", "2020-01-01", "1:30", "x^2 - 1")],
         *[("'true'", "true"), ('"12"', "12"), ("'it''s'", "it's")],
         *[("12", 12), ("-3", -3), ("+3", 3), ("012", 12), ("0o17", 15), ("0x1F", 31)],
         *[("1.5", 1.5), (".5", 0.5), ("1.", 1.0), ("1e-9", 1e-9), ("-1.0E+3", -1000.0)],

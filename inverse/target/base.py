@@ -19,8 +19,9 @@ class ClosestPoints:
 
     Attributes:
         feet: (N, 3) closest points on the target.
-        weights: (N, 3, 3) projections W such that |W (p - foot)| is the distance to first order: n n^T inside
-            (tangent-plane distance), I - t t^T on a border with direction t, I at a corner.
+        weights: (N, 3, 3) projections W such that |W (p - foot)| is, where the surface is smooth, the distance
+            to first order: n n^T inside (tangent-plane distance), I - t t^T on a border with direction t, I at a
+            corner. At the ridges inside a mesh it is the distance from one of the facets there.
     """
 
     feet: FloatArray

@@ -163,6 +163,11 @@ class BetweenTarget(ParametricTarget):
         first, second = (np.asarray(c, np.float64) for c in curves)
         self._ends = np.stack([first[[0, -1]], second[[0, -1]]])
         a, b = (_length_fraction(c) for c in (first, second))
+        if (first[-1] - first[0]) @ (second[-1] - second[0]) <= 0:
+            raise InputError(
+                "the two curves run in opposite directions, so that the vault between them is twisted",
+                hint="Give the points of one curve in the opposite order.",
+            )
         span = float(np.mean([np.linalg.norm(second[k] - first[k]) for k in (0, -1)]))
         if span <= 0 or not rise > 0:
             raise InputError(f"the rise is {rise:g} over a span of {span:g}: both must be positive")
