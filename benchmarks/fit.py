@@ -35,7 +35,6 @@ SURFACES: dict[str, dict[str, Any]] = {
     "landscape": {"mesh": str(TARGETS / "landscape.obj")},
     "hypar": {"mesh": str(TARGETS / "hypar.obj")},
 }
-TURNS = {"landscape": 90}  # the better of the two orientations for a Miura, as a designer would choose
 
 
 def hybrid_word(lines: int) -> list[str]:
@@ -120,7 +119,7 @@ def main() -> int:
     for family, (u, v, rms) in FAMILIES.items():
         for name, target in SURFACES.items():
             if given.only in name:
-                pattern = {"size": [n, n], "u_lines": u(n - 1), "v_lines": v(n - 1), "turn": TURNS.get(name, 0)}
+                pattern = {"size": [n, n], "u_lines": u(n - 1), "v_lines": v(n - 1)}
                 row = measure({"name": f"{family} {name}", "pattern": pattern, "target": target})
                 row["faults"] = faults(row, rms)
                 rows.append(row)

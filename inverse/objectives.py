@@ -146,14 +146,17 @@ def fit(goal: Goal) -> list[Elements]:
         if goal.is_exact:
             blocks.append(Elements(name, Kernel(name, exact, 3 * k, 0), variables, np.empty((len(group), 0))))
         else:
-            feet = foot_parameters(goal, model.seed.vertices_coords, [group])
+            # The seed lies flat over the plan, and what is closest to it is the target's crests: the places
+            # over the same points of the plan are a better start.
+            over_plan = goal.target.over_plan(model.seed.vertices_coords[group].mean(axis=1))
+            feet = foot_parameters(goal, over_plan)
             blocks.append(Elements(name, Kernel(name, to_foot, 3 * k, 12), variables, feet))
     return blocks
 
 
-def foot_parameters(goal: Goal, points: FloatArray, groups: list[IntArray]) -> FloatArray:
-    """Closest points and weights (N, 12), dimensionless, of the fitted points of vertices ``points`` (V, 3)."""
-    closest = goal.target.closest(mean_points(points, groups))
+def foot_parameters(goal: Goal, points: FloatArray) -> FloatArray:
+    """Closest points of the target to points (N, 3) and their weights, as (N, 12), dimensionless."""
+    closest = goal.target.closest(points)
     weights = closest.weights.transpose(0, 2, 1).reshape(-1, 9)  # column-major, as CasADi reshapes
     return np.column_stack([goal.model.to_dimensionless(closest.feet), weights])
 
@@ -164,7 +167,9 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
         return {}
     groups = fit_vertices(goal.model, goal.fit_points)
     names = ["fit", *(f"fit_{group.shape[1]}" for group in groups[1:])]
-    return {name: foot_parameters(goal, points, [group]) for name, group in zip(names, groups, strict=True)}
+    return {
+        name: foot_parameters(goal, mean_points(points, [group])) for name, group in zip(names, groups, strict=True)
+    }
 
 
 @objective("coverage", default_weight=1e-3)

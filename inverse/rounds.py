@@ -15,7 +15,7 @@ from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
 from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
-from inverse.ipopt import Progress, Solver
+from inverse.ipopt import Attempt, Progress, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
 from inverse.refine import polish
@@ -23,7 +23,7 @@ from inverse.refine import polish
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
-NEAR = 1e-2  # an interrupted run keeps iterates with violations up to this, if a polish removes them
+NEAR = 1e-2  # iterates with violations up to this are worth going on from, or keeping after a polish
 CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
 
 Iterate = tuple[float, float, FloatArray]  # violation, objective, variables
@@ -93,27 +93,21 @@ class Rounds:
         sliding, seen = self.formulation.sliding, set()
         x = model.seed_points.ravel()
         history: list[tuple[float, Solution]] = []
-        multipliers = None
+        multipliers, started = None, False
         problem, solver = self._problem(sliding, extra)
         while True:
             seen.add(_segments(sliding))
             points = model.to_lengths(x.reshape(-1, 3))
-            parameters = problem.parameters(objectives.refreshed(goal, points))
-            attempt = solver.run(x, parameters, multipliers)
+            # The problem comes with closest points for the seed.
+            parameters = problem.parameters(objectives.refreshed(goal, points) if started else None)
+            started = True
+            attempt = self._attempt(solver, problem, x, parameters, multipliers)
             x, multipliers = attempt.variables, attempt.multipliers
             if self.stopped:
                 x = self._kept(problem, parameters)
             points = model.to_lengths(x.reshape(-1, 3))
             rms = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)))
-            self.attempts.append(
-                {
-                    "method": "ipopt",
-                    "ended": attempt.status,
-                    "iterations": attempt.iterations,
-                    "seconds": attempt.seconds,
-                    "fit_rms": rms,
-                }
-            )
+            self.attempts[-1]["fit_rms"] = rms
             history.append((rms, Solution(x, multipliers, problem, parameters)))
             fresh = problem.parameters(objectives.refreshed(goal, points))
             onward = [anchor.moved_on(points) for anchor in sliding]
@@ -130,6 +124,29 @@ class Rounds:
                 # Between the facets of a target mesh the closest points jump to and fro for ever. The best round
                 # is the answer, stationary for the tangent planes that it was solved with.
                 return min(history, key=lambda entry: entry[0])[1]
+
+    def _attempt(
+        self, solver: Solver, problem: Problem, x: FloatArray, parameters: FloatArray, multipliers: FloatArray | None
+    ) -> Attempt:
+        """One round: fast steps first; where they stall, exact ones from the point that they reached."""
+        attempt = self._recorded(solver.run(x, parameters, multipliers, careful=False), "ipopt, static pivots")
+        if attempt.succeeded or self.stopped:
+            return attempt
+        worst = max(size for size, _ in problem.violations(attempt.variables, parameters).values())
+        if worst <= NEAR:
+            x, multipliers = attempt.variables, attempt.multipliers
+        return self._recorded(solver.run(x, parameters, multipliers, careful=True), "ipopt")
+
+    def _recorded(self, attempt: Attempt, method: str) -> Attempt:
+        self.attempts.append(
+            {
+                "method": method,
+                "ended": attempt.status,
+                "iterations": attempt.iterations,
+                "seconds": attempt.seconds,
+            }
+        )
+        return attempt
 
     def _kept(self, problem: Problem, parameters: FloatArray) -> FloatArray:
         """The best design so far: an iterate that a polish makes feasible, else the best that was so itself."""

@@ -73,6 +73,19 @@ class Target(ABC):
         """Distances (N,) of points (N, 3) from the surface, border included."""
         return np.asarray(np.linalg.norm(points - self.closest(points).feet, axis=1))
 
+    def over_plan(self, points: FloatArray) -> FloatArray:
+        """Points (N, 3) of the triangulated surface over the same places of the plan, or nearest to them there."""
+        from inverse.target.mesh import MeshTarget  # a mesh is a target itself
+
+        # Nearly flattened onto the plan, the closest point is the one straight above or below.
+        squeeze = 1e-4
+        frame = self.frame
+        vertices, triangles = self.triangles()
+        scale = np.array([1.0, 1.0, squeeze])
+        flat = MeshTarget((vertices - frame.origin) @ frame.axes.T * scale, triangles)
+        feet = flat.closest((points - frame.origin) @ frame.axes.T * scale).feet
+        return np.asarray((feet / scale) @ frame.axes + frame.origin)
+
     def samples(self) -> tuple[FloatArray, FloatArray]:
         """Centroids (T, 3) of the surface's triangles and their areas (T,)."""
         vertices, triangles = self.triangles()
