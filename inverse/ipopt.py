@@ -148,9 +148,16 @@ class Solver:
             "constr_viol_tol": tolerance,
             "compl_inf_tol": tolerance,
             "acceptable_iter": 0,
-            "max_iter": max_iterations,
         }
+        # Together they keep to what the user allows for a round.
+        self._fast_iterations = min(STALL, max_iterations)
+        self._careful_iterations = max_iterations - self._fast_iterations
         self._watch = _Watch(problem, problem.parameters().size, report)
+
+    @property
+    def may_be_careful(self) -> bool:
+        """Whether iterations are left for a run with pivoting after one with static pivots."""
+        return self._careful_iterations > 0
 
     def _solver(self, warm: bool, careful: bool) -> casadi.Function:
         """The solver with the given options, built when first needed."""
@@ -163,7 +170,8 @@ class Solver:
                 "iteration_callback": self._watch,
                 "ipopt": OPTIONS
                 | self._limits
-                | (PIVOTING if careful else STATIC_PIVOTS | {"max_iter": min(STALL, self._limits["max_iter"])})
+                | (PIVOTING if careful else STATIC_PIVOTS)
+                | {"max_iter": self._careful_iterations if careful else self._fast_iterations}
                 | (WARM_START if warm else {}),
                 **{key: functions[key] for key in ("grad_f", "jac_g", "hess_lag")},
             }

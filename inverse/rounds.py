@@ -130,7 +130,7 @@ class Rounds:
     ) -> Attempt:
         """One round: fast steps first; where they stall, exact ones from the point that they reached."""
         attempt = self._recorded(solver.run(x, parameters, multipliers, careful=False), "ipopt, static pivots")
-        if attempt.succeeded or self.stopped:
+        if attempt.succeeded or self.stopped or not solver.may_be_careful:
             return attempt
         worst = max(size for size, _ in problem.violations(attempt.variables, parameters).values())
         if worst <= NEAR:
