@@ -164,7 +164,7 @@ class Solver(Model):
     tolerance: Annotated[Number, Field(ge=1e-14, le=1e-3)] = Field(
         default=1e-9, description="the solver's tolerance, from 1e-14 to 1e-3"
     )
-    max_iterations: Annotated[Integer, Field(ge=1)] = Field(default=500, description="largest number of iterations of a round")
+    max_iterations: Annotated[Integer, Field(ge=1)] = Field(default=500, description="largest number in a round")
     time_limit_s: Positive | None = Field(default=None, description="time limit in seconds, none if not given")
 
 
