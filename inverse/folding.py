@@ -9,8 +9,6 @@ import numpy as np
 from inverse import geometry
 from inverse.pattern import CFL, Design, FloatArray, IntArray
 
-DESIGN_STATE = np.pi / 2  # every design's own state, by definition
-
 
 @dataclass(frozen=True, eq=False)
 class Motion:
