@@ -42,7 +42,10 @@ class Problem:
         return len(self.lower)
 
     def parameters(self, replaced: dict[str, FloatArray] | None = None) -> FloatArray:
-        """The parameter vector: objective weights, then every term's element parameters.
+        """The parameter vector: objective weights, every term's element parameters, and the share of curvature.
+
+        The last entry multiplies the constraints in the Lagrangian's Hessian: 1 for Newton's method, 0 to take
+        the constraints as linear (see :meth:`linearized`).
 
         Args:
             replaced: new element parameters (N, m) by term name, for example refreshed closest points.
@@ -50,7 +53,12 @@ class Problem:
         replaced = replaced or {}
         weights = [objective.weight for objective in self.objectives]
         blocks = [replaced.get(e.name, e.parameters).ravel() for e in self._elements]
-        return np.concatenate([weights, *blocks])
+        return np.concatenate([weights, *blocks, [1.0]])
+
+    @staticmethod
+    def linearized(parameters: FloatArray) -> FloatArray:
+        """The same parameters with a Hessian that leaves the curvature of the constraints out."""
+        return np.append(parameters[:-1], 0.0)
 
     @property
     def _elements(self) -> list[Elements]:
@@ -62,7 +70,7 @@ class Problem:
         x = casadi.MX.sym("x", self.n_variables)
         n_weights = len(self.objectives)
         sizes = [e.parameters.size for e in self._elements]
-        p = casadi.MX.sym("p", n_weights + sum(sizes))
+        p = casadi.MX.sym("p", n_weights + sum(sizes) + 1)
         offsets = np.cumsum([n_weights, *sizes])
         local = {
             e.name: (
@@ -92,7 +100,7 @@ class Problem:
             values.append(e.mapped(kernel.value, *local[e.name]))
             rows, columns = e.matrix_places()
             jacobian.add(e.mapped(kernel.jacobian, *local[e.name]), rows + row, columns)
-            multipliers = casadi.reshape(lam_g[row : row + height], kernel.n_residuals, e.count)
+            multipliers = p[-1] * casadi.reshape(lam_g[row : row + height], kernel.n_residuals, e.count)
             curvature = e.mapped(kernel.curvature, *local[e.name], multipliers)
             hessian.add(curvature, *e.curvature_places(kernel.curvature))
             row += height

@@ -14,7 +14,7 @@ from inverse.assembly import Problem
 from inverse.pattern import FloatArray
 
 # Measured on domes and vaults of 16 x 16 to 32 x 32 facets. METIS ordering and the adaptive barrier make most of
-# the difference. The objective is scaled by us, not by IPOPT.
+# the difference. The objective is scaled by us (SHARE), not by IPOPT.
 OPTIONS: dict[str, Any] = {
     "print_level": 0,
     "sb": "yes",
@@ -26,14 +26,24 @@ OPTIONS: dict[str, Any] = {
     "jacobian_regularization_value": 1e-8,
     "mu_strategy": "adaptive",
     "nlp_scaling_method": "none",
-    "obj_scaling_factor": 1000.0,
 }
+
+# IPOPT minimizes this multiple of the mean square of distances in edges: gradients of the order of the constraints'.
+OBJECTIVE_SCALE = 1000.0
 
 # Static pivots make an iteration twice as fast at 32 x 32, since nothing is delayed and the factors stay sparse; the
 # regularized constraint block keeps the matrix quasi-definite. Their steps are less exact, and some runs stall
 # short of the tolerance: those go on with pivoting.
 STATIC_PIVOTS: dict[str, Any] = {"mumps_pivtol": 0.0, "mumps_pivtolmax": 0.0}
 STALL = 100  # iterations after which static pivots are given up
+
+# Far from the solution the constraints' curvature makes the Hessian indefinite, IPOPT adds a multiple of the identity
+# until it is not, and the steps become short. With the constraints taken as linear (the Gauss-Newton idea) the first
+# steps are long; close to the solution they only go round it, and Newton's method takes over.
+APPROACH = 30  # at most so many such iterations
+LITTLE = 0.1  # they end when one changes the objective by less than this fraction ...
+NEAR = 1e-2  # ... and no violation is larger than this, from where on iterates are worth going on from
+
 PIVOTING: dict[str, Any] = {"mumps_pivtol": 1e-6, "mumps_pivtolmax": 0.1}
 
 WARM_START: dict[str, Any] = {
@@ -71,7 +81,7 @@ class Attempt:
     Attributes:
         variables: (n,) last iterate.
         multipliers: (R,) of the constraint rows; positive pushes down from an upper bound.
-        status: IPOPT's own word.
+        status: IPOPT's own word, or that the iterates settled.
         iterations: number of iterations.
         seconds: wall time.
     """
@@ -96,10 +106,16 @@ class _Watch(casadi.Callback):
         self._n, self._rows, self._n_parameters = problem.n_variables, problem.n_rows, n_parameters
         self._lower, self._upper = problem.lower, problem.upper
         self._report = report
-        self.last: Progress | None = None
-        self.error: BaseException | None = None
-        self.count = 0
+        self.begin(0, until_settled=False)
         self.construct("watch", {})
+
+    def begin(self, limit: int, *, until_settled: bool) -> None:
+        """Get ready for a run that ends after ``limit`` iterations, or when the objective changes little."""
+        self._limit, self._until_settled = limit, until_settled
+        self._last = np.nan  # objective of the iterate before
+        self._count = 0
+        self.ended: str | None = None
+        self.error: BaseException | None = None
 
     def get_n_in(self) -> int:
         return int(casadi.nlpsol_n_out())
@@ -126,38 +142,46 @@ class _Watch(casadi.Callback):
         rows = np.asarray(values["g"]).ravel()
         violation = float(np.maximum(np.maximum(self._lower - rows, rows - self._upper), 0).max(initial=0.0))
         variables = np.array(values["x"]).ravel()
-        self.last = Progress(self.count, float(values["f"]), violation, variables)
-        self.count += 1
+        progress = Progress(self._count, float(values["f"]), violation, variables)
+        last, self._last = self._last, progress.objective
+        self._count += 1
         try:
-            return [0 if self._report(self.last) else 1]
-        except BaseException as error:  # raised again by solve(): CasADi would swallow it
+            if not self._report(progress):
+                return [1]
+        except BaseException as error:  # raised again by run(): CasADi would swallow it
             self.error = error
             return [1]
+        if self._until_settled and violation <= NEAR and abs(progress.objective - last) <= LITTLE * last:
+            self.ended = "Settled"
+        if progress.iteration >= self._limit:
+            self.ended = "Maximum_Iterations_Exceeded"
+        return [0 if self.ended is None else 1]
 
 
 class Solver:
-    """IPOPT on one problem; parameters change between runs without building anew."""
+    """IPOPT on one problem; parameters change between runs without building anew.
+
+    Args:
+        problem: the problem.
+        tolerance: of IPOPT.
+        refinement: of the model, which the objective is scaled by.
+        report: told every iterate; False stops the run.
+    """
 
     def __init__(
-        self, problem: Problem, tolerance: float, max_iterations: int, report: Callable[[Progress], bool]
+        self, problem: Problem, tolerance: float, refinement: float, report: Callable[[Progress], bool]
     ) -> None:
         self._problem = problem
         self._solvers: dict[tuple[bool, bool], casadi.Function] = {}
-        self._limits: dict[str, Any] = {
+        self._options: dict[str, Any] = OPTIONS | {
+            "obj_scaling_factor": OBJECTIVE_SCALE * refinement**2,
             "tol": tolerance,
             "constr_viol_tol": tolerance,
             "compl_inf_tol": tolerance,
             "acceptable_iter": 0,
+            "max_iter": np.iinfo(np.int32).max,  # the watch counts
         }
-        # Together they keep to what the user allows for a round.
-        self._fast_iterations = min(STALL, max_iterations)
-        self._careful_iterations = max_iterations - self._fast_iterations
         self._watch = _Watch(problem, problem.parameters().size, report)
-
-    @property
-    def may_be_careful(self) -> bool:
-        """Whether iterations are left for a run with pivoting after one with static pivots."""
-        return self._careful_iterations > 0
 
     def _solver(self, warm: bool, careful: bool) -> casadi.Function:
         """The solver with the given options, built when first needed."""
@@ -168,18 +192,36 @@ class Solver:
                 "calc_lam_p": False,
                 "calc_lam_x": False,
                 "iteration_callback": self._watch,
-                "ipopt": OPTIONS
-                | self._limits
-                | (PIVOTING if careful else STATIC_PIVOTS)
-                | {"max_iter": self._careful_iterations if careful else self._fast_iterations}
-                | (WARM_START if warm else {}),
+                "ipopt": self._options | (PIVOTING if careful else STATIC_PIVOTS) | (WARM_START if warm else {}),
                 **{key: functions[key] for key in ("grad_f", "jac_g", "hess_lag")},
             }
             self._solvers[warm, careful] = casadi.nlpsol("design", "ipopt", functions["nlp"], options)
         return self._solvers[warm, careful]
 
+    def approach(self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool) -> Attempt:
+        """Come near a solution with the constraints taken as linear in the Hessian.
+
+        Args:
+            start: (n,) variables.
+            parameters: parameter vector of the problem.
+            limit: iterations.
+            is_good: whether the start comes from a solution; it is not pushed off the bounds then.
+
+        Raises:
+            BaseException: what the report function raised.
+        """
+        self._watch.begin(min(APPROACH, limit), until_settled=True)
+        multipliers = np.zeros(self._problem.n_rows) if is_good else None
+        return self._run(start, self._problem.linearized(parameters), multipliers, careful=False)
+
     def run(
-        self, start: FloatArray, parameters: FloatArray, multipliers: FloatArray | None = None, *, careful: bool
+        self,
+        start: FloatArray,
+        parameters: FloatArray,
+        multipliers: FloatArray | None,
+        limit: int,
+        *,
+        careful: bool,
     ) -> Attempt:
         """Solve from a start.
 
@@ -187,13 +229,19 @@ class Solver:
             start: (n,) variables.
             parameters: parameter vector of the problem.
             multipliers: (R,) of an earlier run, for a warm start.
-            careful: pivot for accuracy instead of speed.
+            limit: iterations.
+            careful: pivot for accuracy instead of speed; without, at most ``STALL`` iterations are made.
 
         Raises:
             BaseException: what the report function raised, KeyboardInterrupt included.
         """
+        self._watch.begin(limit if careful else min(STALL, limit), until_settled=False)
+        return self._run(start, parameters, multipliers, careful=careful)
+
+    def _run(
+        self, start: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, *, careful: bool
+    ) -> Attempt:
         began = time.perf_counter()
-        self._watch.error, self._watch.count = None, 0
         solver = self._solver(multipliers is not None, careful)
         first = np.zeros(self._problem.n_rows) if multipliers is None else multipliers
         lower, upper = self._problem.lower, self._problem.upper
@@ -204,7 +252,7 @@ class Solver:
         return Attempt(
             np.array(out["x"]).ravel(),
             np.array(out["lam_g"]).ravel(),
-            str(stats["return_status"]),
+            self._watch.ended or str(stats["return_status"]),
             int(stats["iter_count"]),
             time.perf_counter() - began,
         )

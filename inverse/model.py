@@ -36,6 +36,15 @@ class DesignModel:
         return float(geometry.edge_lengths(self.pattern, self.seed.vertices_coords).mean())
 
     @cached_property
+    def refinement(self) -> float:
+        """Edges per sixteenth of the model: 1 for 16 x 16 facets, 4 for 64 x 64.
+
+        Objectives measure lengths in sixteenths of the model, not in edges, so that the same weights mean the same
+        design at every number of facets.
+        """
+        return float(np.sqrt(len(self.pattern.faces_vertices)) / 16)
+
+    @cached_property
     def centre(self) -> FloatArray:
         """(3,) mean of the seed's vertices."""
         return np.asarray(self.seed.vertices_coords.mean(axis=0))

@@ -16,7 +16,7 @@ from inverse.model import DesignModel, Objective
 from inverse.pattern import B, FloatArray, IntArray
 from inverse.target import Target
 
-# Of the coverage: mean edge lengths that a rim facet may move without harm, factors of the pull within and beyond.
+# Of the coverage: sixteenths of the model that a rim facet may move freely, factors of the pull within and beyond.
 SLACK, WEAK, STRONG = 0.5, 0.3, 3.0
 
 FitPoints = Literal["facets", "layer", "vertices"]
@@ -127,7 +127,10 @@ def mean_points(points: FloatArray, groups: list[IntArray]) -> FloatArray:
 
 @objective("fit", default_weight=1.0)
 def fit(goal: Goal) -> list[Elements]:
-    """Distance of the fitted points from the target: exact for smooth targets, else from tangent planes."""
+    """Distance of the fitted points from the target: exact for smooth targets, else from tangent planes.
+
+    Distances are in sixteenths of the model, like all lengths here (``DesignModel.refinement``).
+    """
     model = goal.model
     blocks: list[Elements] = []
     for group in fit_vertices(model, goal.fit_points):
@@ -137,7 +140,7 @@ def fit(goal: Goal) -> list[Elements]:
         def exact(q: casadi.SX, _: casadi.SX, k: int = k) -> casadi.SX:
             distance = goal.target.residual(_mean(q, k) * model.scale + model.centre)
             assert distance is not None  # this kernel is for exact targets only
-            return casadi.SX(distance / model.scale)
+            return casadi.SX(distance / (model.scale * model.refinement))
 
         def to_foot(q: casadi.SX, p: casadi.SX, k: int = k) -> casadi.SX:
             return casadi.reshape(p[3:], 3, 3) @ (_mean(q, k) - p[:3])
@@ -158,7 +161,7 @@ def foot_parameters(goal: Goal, points: FloatArray) -> FloatArray:
     """Closest points of the target to points (N, 3) and their weights, as (N, 12), dimensionless."""
     closest = goal.target.closest(points)
     weights = closest.weights.transpose(0, 2, 1).reshape(-1, 9)  # column-major, as CasADi reshapes
-    return np.column_stack([goal.model.to_dimensionless(closest.feet), weights])
+    return np.column_stack([goal.model.to_dimensionless(closest.feet), weights / goal.model.refinement])
 
 
 def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
@@ -172,7 +175,7 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-@objective("coverage", default_weight=1e-3)
+@objective("coverage", default_weight=1e-4)
 def coverage(goal: Goal) -> list[Elements]:
     """Facets of the rim stay, in plan, near the place on the target's rim that the placed seed gave them.
 
@@ -189,7 +192,7 @@ def coverage(goal: Goal) -> list[Elements]:
         places = model.seed_points[group].mean(axis=1) @ plan.T
 
         def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
-            offset = casadi.DM(plan) @ _mean(q, k) - p
+            offset = (casadi.DM(plan) @ _mean(q, k) - p) / model.refinement
             beyond = casadi.fmax(0, casadi.sumsqr(offset) - SLACK**2) / (2 * SLACK)
             return casadi.vertcat(WEAK * offset, STRONG * beyond)
 
@@ -198,21 +201,24 @@ def coverage(goal: Goal) -> list[Elements]:
     return blocks
 
 
-@objective("fairness", default_weight=1e-5)
+@objective("fairness", default_weight=1e-4)
 def fairness(goal: Goal) -> list[Elements]:
     """Second differences, at every second vertex along a line, of the displacement from the seed.
 
-    Every second vertex, because a corrugation moves its two layers apart: each layer by itself is to be even.
+    Every second vertex, because a corrugation moves its two layers apart: each layer by itself is to be even. They
+    are divided by the squared distance of the vertices, so that a smooth displacement counts the same at every
+    number of facets.
     """
     model = goal.model
     triples = [(line[k - 2], line[k], line[k + 2]) for line in model.pattern.lines for k in range(2, len(line) - 2)]
     vertices = np.array(triples, np.int64).reshape(-1, 3)
     a, b, c = model.seed_points[vertices].transpose(1, 0, 2)
-    kernel = Kernel("fairness", lambda q, p: q[:3] - 2 * q[3:6] + q[6:] - p, 9, 3)
+    # The difference is a length, the distance squared: one factor of the refinement is left.
+    kernel = Kernel("fairness", lambda q, p: model.refinement * (q[:3] - 2 * q[3:6] + q[6:] - p), 9, 3)
     return [Elements("fairness", kernel, model.variables_of(vertices), a - 2 * b + c)] if triples else []
 
 
-@objective("evenness", default_weight=1e-5)
+@objective("evenness", default_weight=6e-5)
 def evenness(goal: Goal) -> list[Elements]:
     """Edges keep the seed's lengths as far as they can: no narrow facets beside wide ones."""
     model = goal.model

@@ -15,17 +15,18 @@ from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
 from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
-from inverse.ipopt import Attempt, Progress, Solver
+from inverse.ipopt import NEAR, Attempt, Progress, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
 from inverse.refine import polish
+from inverse.spec import Solver as SolverKeys
 
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
-NEAR = 1e-2  # iterates with violations up to this are worth going on from, or keeping after a polish
 CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
 
+Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
 Iterate = tuple[float, float, FloatArray]  # violation, objective, variables
 
 
@@ -46,64 +47,79 @@ class Solution:
     parameters: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class Control:
+    """What ends a solve from outside, and who is told.
+
+    Attributes:
+        deadline: on the monotonic clock, in seconds.
+        watch: told every iteration.
+        stop: set to end at the next iteration.
+    """
+
+    deadline: float
+    watch: Callable[[str, Progress], None]
+    stop: threading.Event = field(default_factory=threading.Event)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the user or the clock ended the solve."""
+        return self.stop.is_set() or time.monotonic() >= self.deadline
+
+
 @dataclass
 class Rounds:
     """The rounds of one solve.
 
     Attributes:
         formulation: what is solved.
-        tolerance: of IPOPT.
-        max_iterations: of each round.
-        deadline: on the monotonic clock, in seconds.
-        watch: told every iteration.
-        stop: set from outside to end at the next iteration.
-        attempts: how each round ended, for the report.
+        options: tolerance of IPOPT, iterations of each round.
+        control: ends the rounds from outside.
+        start: (n,) variables to start from instead of the seed, or None.
+        attempts: how each run of IPOPT ended, for the report.
     """
 
     formulation: Formulation
-    tolerance: float
-    max_iterations: int
-    deadline: float
-    watch: Callable[[str, Progress], None]
-    stop: threading.Event = field(default_factory=threading.Event)
+    options: SolverKeys
+    control: Control
+    start: FloatArray | None = None
     attempts: list[dict[str, Any]] = field(default_factory=list)
+    _round: int = 0
     _feasible: Iterate = (np.inf, np.inf, np.empty(0))
     _near: Iterate = (np.inf, np.inf, np.empty(0))
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the user or the clock ended the rounds."""
-        return self.stop.is_set() or time.monotonic() >= self.deadline
 
     def run(self) -> Solution:
         """Solve; where facets cross, keep them apart and solve again from the seed."""
         model = self.formulation.goal.model
+        start = self.start
         apart = np.empty((0, 2), np.int64)
         while True:
             separation = constraints.separation(model, apart, CLEARANCE) if len(apart) else None
-            solution = self._fitted([separation] if separation else [])
+            solution = self._fitted(start, [separation] if separation else [])
+            start = None
             more = np.unique(np.vstack([apart, self._crossing(solution.variables)]), axis=0)
-            if self.stopped or len(self.attempts) >= MAX_ROUNDS or len(more) == len(apart):
+            if self.control.stopped or self._round >= MAX_ROUNDS or len(more) == len(apart):
                 return solution
             apart = more
 
-    def _fitted(self, extra: list[Constraint]) -> Solution:
-        """Rounds until the closest points and the segments of polylines have settled."""
+    def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Solution:
+        """Rounds from a start, or the seed, until the closest points and the segments of polylines have settled."""
         goal, model = self.formulation.goal, self.formulation.goal.model
+        x = model.seed_points.ravel() if start is None else start
         sliding, seen = self.formulation.sliding, set()
-        x = model.seed_points.ravel()
         history: list[tuple[float, Solution]] = []
-        multipliers, started = None, False
+        multipliers, is_seed = None, start is None
+        aim, before = model.to_lengths(x.reshape(-1, 3)), None
         problem, solver = self._problem(sliding, extra)
         while True:
             seen.add(_segments(sliding))
-            points = model.to_lengths(x.reshape(-1, 3))
             # The problem comes with closest points for the seed.
-            parameters = problem.parameters(objectives.refreshed(goal, points) if started else None)
-            started = True
-            attempt = self._attempt(solver, problem, x, parameters, multipliers)
+            parameters = problem.parameters(None if is_seed else objectives.refreshed(goal, aim))
+            self._round += 1
+            attempt = self._attempt(solver, problem, x, parameters, multipliers, is_seed=is_seed)
+            is_seed = False
             x, multipliers = attempt.variables, attempt.multipliers
-            if self.stopped:
+            if self.control.stopped:
                 x = self._kept(problem, parameters)
             points = model.to_lengths(x.reshape(-1, 3))
             rms = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)))
@@ -111,10 +127,10 @@ class Rounds:
             history.append((rms, Solution(x, multipliers, problem, parameters)))
             fresh = problem.parameters(objectives.refreshed(goal, points))
             onward = [anchor.moved_on(points) for anchor in sliding]
-            if self.stopped or len(self.attempts) >= MAX_ROUNDS or len(self._crossing(x)):
+            if self.control.stopped or self._round >= MAX_ROUNDS or len(self._crossing(x)):
                 return Solution(x, multipliers, problem, fresh)
             if _segments(onward) not in seen:
-                sliding, multipliers, history = onward, None, []
+                sliding, multipliers, history, aim, before = onward, None, [], points, None
                 problem, solver = self._problem(sliding, extra)
                 continue
             steepness = verdict.stationarity(problem, x, multipliers, fresh, model)
@@ -124,22 +140,43 @@ class Rounds:
                 # Between the facets of a target mesh the closest points jump to and fro for ever. The best round
                 # is the answer, stationary for the tangent planes that it was solved with.
                 return min(history, key=lambda entry: entry[0])[1]
+            step = points, points - aim
+            aim = points if goal.target.has_kinks else _ahead(step, before)
+            before = step
 
     def _attempt(
-        self, solver: Solver, problem: Problem, x: FloatArray, parameters: FloatArray, multipliers: FloatArray | None
+        self,
+        solver: Solver,
+        problem: Problem,
+        x: FloatArray,
+        parameters: FloatArray,
+        multipliers: FloatArray | None,
+        *,
+        is_seed: bool,
     ) -> Attempt:
-        """One round: fast steps first; where they stall, exact ones from the point that they reached."""
-        attempt = self._recorded(solver.run(x, parameters, multipliers, careful=False), "ipopt, static pivots")
-        if attempt.succeeded or self.stopped or not solver.may_be_careful:
+        """One round: come near, then fast steps; where they stall, exact ones from the point that they reached."""
+        left = self.options.max_iterations
+        if multipliers is None:
+            attempt = solver.approach(x, parameters, left, is_good=not is_seed)
+            self._recorded(attempt, "ipopt, linearized constraints")
+            left -= attempt.iterations
+            if attempt.succeeded or self.control.stopped or left <= 0:
+                return attempt
+            if _is_near(problem, attempt, parameters):
+                x, multipliers = attempt.variables, attempt.multipliers
+        attempt = self._recorded(solver.run(x, parameters, multipliers, left, careful=False), "ipopt, static pivots")
+        left -= attempt.iterations
+        if attempt.succeeded or self.control.stopped or left <= 0:
             return attempt
-        worst = max(size for size, _ in problem.violations(attempt.variables, parameters).values())
-        if worst <= NEAR:
+        if _is_near(problem, attempt, parameters):
             x, multipliers = attempt.variables, attempt.multipliers
-        return self._recorded(solver.run(x, parameters, multipliers, careful=True), "ipopt")
+        return self._recorded(solver.run(x, parameters, multipliers, left, careful=True), "ipopt")
 
     def _recorded(self, attempt: Attempt, method: str) -> Attempt:
         self.attempts.append(
             {
+                "facets": self._facets,
+                "round": self._round,
                 "method": method,
                 "ended": attempt.status,
                 "iterations": attempt.iterations,
@@ -154,6 +191,10 @@ class Rounds:
         worst = max(size for size, _ in problem.violations(polished, parameters).values())
         return polished if worst <= verdict.BOUND else self._feasible[2]
 
+    @property
+    def _facets(self) -> int:
+        return len(self.formulation.goal.model.pattern.faces_vertices)
+
     def _crossing(self, x: FloatArray) -> IntArray:
         """Pairs of facets that cross, and those like them."""
         pattern = self.formulation.goal.model.pattern
@@ -163,20 +204,40 @@ class Rounds:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
         problem = Problem(goal.model.seed_points.size, self.formulation.objectives, terms)
-        return problem, Solver(problem, self.tolerance, self.max_iterations, self._report)
+        return problem, Solver(problem, self.options.tolerance, goal.model.refinement, self._report)
 
     def _report(self, progress: Progress) -> bool:
         """Keep the best iterates; False stops IPOPT."""
         self._feasible = _better(self._feasible, progress, verdict.BOUND)
         self._near = _better(self._near, progress, NEAR)
-        self.watch(f"round {len(self.attempts) + 1}", progress)
-        return not self.stopped
+        self.control.watch(f"{self._facets} facets, round {self._round}", progress)
+        return not self.control.stopped
 
 
 def _better(best: Iterate, progress: Progress, tolerated: float) -> Iterate:
     """The better of two iterates: violations below what is tolerated do not count, then the objective does."""
     rank = (max(progress.violation, tolerated), progress.objective)
     return (*rank, progress.variables) if rank < best[:2] else best
+
+
+def _ahead(step: Step, before: Step | None) -> FloatArray:
+    """Where closest points are taken next, from the designs of two rounds and how far each went from its aim.
+
+    Tangent planes know nothing of the target's curvature, so that rounds go past the solution and back again, or
+    come nearer slowly. The line through two rounds shows where they lead (Anderson's method of depth one).
+    """
+    points, change = step
+    if before is None:
+        return points
+    earlier, change_before = before
+    turn = change - change_before
+    share = float(np.sum(change * turn) / max(np.sum(turn * turn), np.finfo(float).tiny))
+    share = min(max(share, -2.0), 0.5)  # no leaps while rounds still differ much
+    return np.asarray((1 - share) * points + share * earlier)
+
+
+def _is_near(problem: Problem, attempt: Attempt, parameters: FloatArray) -> bool:
+    return max(size for size, _ in problem.violations(attempt.variables, parameters).values()) <= NEAR
 
 
 def _no_gain(rms: list[float]) -> bool:

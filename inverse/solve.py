@@ -12,14 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from inverse import fold_file, verdict
+from inverse import coarse, fold_file, verdict
 from inverse.certify import Certificate, check_frame
 from inverse.fold_format import frame_of
 from inverse.formulate import Formulation, formulate
-from inverse.ipopt import Progress
-from inverse.pattern import Design
+from inverse.ipopt import NEAR, Progress
+from inverse.model import DesignModel
+from inverse.pattern import Design, FloatArray
 from inverse.refine import polish
-from inverse.rounds import Rounds
+from inverse.rounds import Control, Rounds
 from inverse.spec import Loaded
 
 
@@ -64,15 +65,16 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
         InputError: the specification, or a file that it names, cannot be used.
     """
     began = time.perf_counter()
+    limit = loaded.specification.solver.time_limit_s
+    control = Control(np.inf if limit is None else time.monotonic() + limit, watch or (lambda _phase, _progress: None))
     formulation = formulate(loaded)
     formulated = time.perf_counter()
-    options = loaded.specification.solver
-    deadline = np.inf if options.time_limit_s is None else time.monotonic() + options.time_limit_s
-    rounds = Rounds(
-        formulation, options.tolerance, options.max_iterations, deadline, watch or (lambda _phase, _progress: None)
-    )
-    with _interruptible(rounds.stop):
+    with _interruptible(control.stop):
+        start, attempts = _start(loaded, formulation.goal.model, control)
+        started = time.perf_counter()
+        rounds = Rounds(formulation, loaded.specification.solver, control, start)
         solution = rounds.run()
+    attempts += rounds.attempts
     solved = time.perf_counter()
     problem, parameters = solution.problem, solution.parameters
     variables = polish(problem, solution.variables, parameters)
@@ -82,7 +84,8 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
     certificate = check_frame(frame_of(fold_file.document(design)))
     seconds = {
         "formulate": formulated - began,
-        "solve": solved - formulated,
+        "start": started - formulated,
+        "solve": solved - started,
         "polish": polished - solved,
         "certify": time.perf_counter() - polished,
     }
@@ -96,8 +99,8 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
         "coverage": verdict.coverage(goal, design),
         "objective": problem.objective_terms(variables, parameters),
         "verdict": judgement,
-        "iterations": sum(attempt["iterations"] for attempt in rounds.attempts),
-        "attempts": rounds.attempts,
+        "iterations": sum(attempt["iterations"] for attempt in attempts),
+        "attempts": attempts,
         "seconds": seconds,
         "size": {
             "facets": len(design.pattern.faces_vertices),
@@ -106,11 +109,29 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
             "degrees_of_freedom": design.pattern.degrees_of_freedom,
         },
     }
-    status = _status(converged, certificate, rounds.stopped, judgement["failed"], rounds.attempts[-1]["ended"])
+    status = _status(converged, certificate, control.stopped, judgement["failed"], rounds.attempts[-1]["ended"])
     return Result(
-        status, converged, certificate.certified, rounds.stopped, design, goal.model.seed,
+        status, converged, certificate.certified, control.stopped, design, goal.model.seed,
         certificate, report, formulation,
     )  # fmt: skip
+
+
+def _start(loaded: Loaded, model: DesignModel, control: Control) -> tuple[FloatArray | None, list[dict[str, Any]]]:
+    """Variables to start a fine grid from, taken from a coarser one, and the attempts made there."""
+    task = coarse.coarsened(loaded)
+    if task is None:
+        return None, []
+    formulation = formulate(task)
+    start, attempts = _start(task, formulation.goal.model, control)
+    rounds = Rounds(formulation, task.specification.solver, control, start)
+    solution = rounds.run()
+    attempts += rounds.attempts
+    seed = formulation.goal.model
+    violations = solution.problem.violations(solution.variables, solution.parameters)
+    if control.stopped or max(size for size, _ in violations.values()) > NEAR:
+        return None, attempts  # the seed is better than what failed already
+    points = seed.to_lengths(solution.variables.reshape(-1, 3))
+    return model.to_dimensionless(coarse.spread(seed.seed, points, model.seed)).ravel(), attempts
 
 
 def _status(converged: bool, certificate: Certificate, interrupted: bool, failed: list[str], ended: str) -> str:

@@ -50,6 +50,7 @@ ARROWS: dict[str, set[str]] = {
 }
 # What a specification means, then how it is solved: these stand on everything above.
 ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "refine", "verdict", "certify"}
+ARROWS["coarse"] = {"pattern", "spec"}
 ARROWS["rounds"] = set(ARROWS) - {"certify"}
 ARROWS["solve"] = set(ARROWS)
 ARROWS["context"] = {"errors", "files", "words", "pattern"}

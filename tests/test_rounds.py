@@ -21,14 +21,17 @@ def task(**keys: object) -> inverse.spec.Loaded:
     return inverse.from_mapping({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME} | keys)
 
 
-@pytest.mark.parametrize("stall", [1, 4, 8])
+STEPS = ["ipopt, linearized constraints", "ipopt, static pivots", "ipopt"]
+
+
+@pytest.mark.parametrize("stall", [1, 2, 3])
 def test_a_stalled_run_goes_on_with_pivoting(stall: int, monkeypatch: pytest.MonkeyPatch) -> None:
     usual = inverse.solve(task())
-    assert [a["method"] for a in usual.report["attempts"]] == ["ipopt, static pivots"]
+    assert [a["method"] for a in usual.report["attempts"]] == STEPS[:2]
     monkeypatch.setattr(sys.modules["inverse.ipopt"], "STALL", stall)
     result = inverse.solve(task())
-    assert [a["method"] for a in result.report["attempts"]] == ["ipopt, static pivots", "ipopt"]
-    assert result.report["attempts"][0]["iterations"] == stall
+    assert [a["method"] for a in result.report["attempts"]] == STEPS
+    assert result.report["attempts"][1]["iterations"] == stall
     assert result.certified
     assert result.converged
     assert_close(result.report["fit"]["rms"], usual.report["fit"]["rms"], 1e-5)

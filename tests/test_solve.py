@@ -80,8 +80,9 @@ def test_the_report_says_what_the_design_is() -> None:
     assert fit["rms"] == pytest.approx(np.sqrt(np.mean(distances**2)), rel=1e-12)
     assert fit["max"] == pytest.approx(distances.max(), rel=1e-12)
     assert fit["rms_relative"] == pytest.approx(fit["rms"] / geometry.diagonal(points), rel=1e-12)
-    scale = result.formulation.goal.model.scale
-    assert report["objective"]["fit"] == pytest.approx((fit["rms"] / scale) ** 2 / 3, rel=0.05)
+    model = result.formulation.goal.model
+    sixteenth = model.scale * model.refinement
+    assert report["objective"]["fit"] == pytest.approx((fit["rms"] / sixteenth) ** 2 / 3, rel=0.05)
     assert report["size"]["facets"] == 42
     assert report["size"]["degrees_of_freedom"] == 5 * 13 + 1
     assert report["iterations"] == sum(a["iterations"] for a in report["attempts"])

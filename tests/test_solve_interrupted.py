@@ -33,8 +33,9 @@ class Told:
 def test_every_iteration_is_told() -> None:
     told = Told()
     result = inverse.solve(task(), told)
-    assert set(told.phases) == {"round 1"}
-    assert [p.iteration for p in told.progress] == list(range(result.report["iterations"] + 1))
+    assert set(told.phases) == {f"{result.report['size']['facets']} facets, round 1"}
+    runs = [range(attempt["iterations"] + 1) for attempt in result.report["attempts"]]
+    assert [p.iteration for p in told.progress] == [k for run in runs for k in run]
     first, last = told.progress[0], told.progress[-1]
     assert_close(first.variables, result.formulation.goal.model.seed_points.ravel(), 0)
     assert last.objective < 1e-3 * first.objective
@@ -57,13 +58,13 @@ def test_what_a_watch_raises_comes_out(error: BaseException) -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-@pytest.mark.parametrize("at", [0, 4, 10])
+@pytest.mark.parametrize("at", [0, 4, 12])
 def test_ctrl_c_keeps_the_best_design(at: int) -> None:
     told = Told()
 
     def watch(phase: str, progress: Progress) -> None:
         told(phase, progress)
-        if progress.iteration == at:
+        if len(told.progress) == at + 1:
             signal.raise_signal(signal.SIGINT)
 
     before = signal.getsignal(signal.SIGINT)
@@ -72,7 +73,7 @@ def test_ctrl_c_keeps_the_best_design(at: int) -> None:
     assert result.interrupted
     assert not result.converged
     assert result.status.startswith("interrupted, the best design so far was kept: ")
-    assert told.progress[-1].iteration == at
+    assert len(told.progress) == at + 1
     assert result.certified
     fit = result.report["fit"]
     assert fit["rms"] <= fit["start_rms"] * (1 + 1e-9 if at == 0 else 0.1)  # after 4 iterations a hundredth is left
