@@ -41,6 +41,11 @@ class Problem:
         """Number of constraint rows, R."""
         return len(self.lower)
 
+    @property
+    def n_objective_parameters(self) -> int:
+        """Number of parameters that belong to the objectives; they come first."""
+        return len(self.objectives) + sum(o.elements.parameters.size for o in self.objectives)
+
     def parameters(self, replaced: dict[str, FloatArray] | None = None) -> FloatArray:
         """The parameter vector: objective weights, every term's element parameters, and the share of curvature.
 

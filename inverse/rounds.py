@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,11 +19,13 @@ from inverse.ipopt import NEAR, Attempt, Progress, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
 from inverse.refine import polish
+from inverse.relaxation import relaxed
 from inverse.spec import Solver as SolverKeys
 
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
+FAR = 1.0  # a run without bounds is given up when it leaves them by more than this
 CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
 
 Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
@@ -157,20 +159,49 @@ class Rounds:
         """One round: come near, then fast steps; where they stall, exact ones from the point that they reached."""
         left = self.options.max_iterations
         if multipliers is None:
-            attempt = solver.approach(x, parameters, left, is_good=not is_seed)
-            self._recorded(attempt, "ipopt, linearized constraints")
+            first = solver.approach(x, parameters, left, is_good=not is_seed)
+            self._recorded(first, "ipopt, linearized constraints")
+            left -= first.iterations
+            if first.succeeded or self.control.stopped or left <= 0:
+                return first
+            if _is_near(problem, first, parameters):
+                x, multipliers = first.variables, first.multipliers
+        attempt = self._without_idle_bounds(problem, x, parameters, multipliers, left)
+        if attempt is not None:
+            left -= attempt.iterations
+            whole = max(size for size, _ in problem.violations(attempt.variables, parameters).values())
+            if (attempt.succeeded and whole <= verdict.BOUND) or self.control.stopped or left <= 0:
+                return attempt
+        if attempt is None or not _is_near(problem, attempt, parameters):
+            attempt = self._recorded(
+                solver.run(x, parameters, multipliers, left, careful=False), "ipopt, static pivots"
+            )
             left -= attempt.iterations
             if attempt.succeeded or self.control.stopped or left <= 0:
                 return attempt
-            if _is_near(problem, attempt, parameters):
-                x, multipliers = attempt.variables, attempt.multipliers
-        attempt = self._recorded(solver.run(x, parameters, multipliers, left, careful=False), "ipopt, static pivots")
-        left -= attempt.iterations
-        if attempt.succeeded or self.control.stopped or left <= 0:
-            return attempt
         if _is_near(problem, attempt, parameters):
             x, multipliers = attempt.variables, attempt.multipliers
         return self._recorded(solver.run(x, parameters, multipliers, left, careful=True), "ipopt")
+
+    def _without_idle_bounds(
+        self, problem: Problem, x: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, limit: int
+    ) -> Attempt | None:
+        """A run without the bounds that are far from active at a point near the solution; None if there are none."""
+        relaxation = None if multipliers is None else relaxed(problem, x, parameters)
+        if relaxation is None or multipliers is None:
+            return None
+        rows = relaxation.rows
+
+        def report(progress: Progress) -> bool:
+            whole = max(size for size, _ in problem.violations(progress.variables, parameters).values())
+            return self._report(replace(progress, violation=whole)) and whole <= FAR
+
+        solver = self._solver(relaxation.problem, report)
+        attempt = solver.run(x, relaxation.parameters(parameters), multipliers[rows], limit, careful=False)
+        everywhere = np.zeros(problem.n_rows)
+        everywhere[rows] = attempt.multipliers
+        attempt = replace(attempt, multipliers=everywhere)
+        return self._recorded(attempt, "ipopt, static pivots, without idle bounds")
 
     def _recorded(self, attempt: Attempt, method: str) -> Attempt:
         self.attempts.append(
@@ -204,7 +235,10 @@ class Rounds:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
         problem = Problem(goal.model.seed_points.size, self.formulation.objectives, terms)
-        return problem, Solver(problem, self.options.tolerance, goal.model.refinement, self._report)
+        return problem, self._solver(problem, self._report)
+
+    def _solver(self, problem: Problem, report: Callable[[Progress], bool]) -> Solver:
+        return Solver(problem, self.options.tolerance, self.formulation.goal.model.refinement, report)
 
     def _report(self, progress: Progress) -> bool:
         """Keep the best iterates; False stops IPOPT."""

@@ -1,0 +1,72 @@
+"""A problem without the bounds that do not matter where a run stands: half the rows, and half the time of a step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inverse.assembly import Problem
+from inverse.model import Constraint
+from inverse.pattern import FloatArray, IntArray
+
+MARGIN = 0.02  # bounds closer than this fraction of their width, or this number where they have one side, are kept
+WORTHWHILE = 0.25  # of all bounds at most so many may be kept
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxation:
+    """A problem with fewer bounds.
+
+    Attributes:
+        problem: the problem that is left.
+        rows: (R',) int, its rows in the whole problem.
+    """
+
+    problem: Problem
+    rows: IntArray
+
+    def parameters(self, whole: FloatArray) -> FloatArray:
+        """Its parameters, with those of the objectives as in the parameters of the whole problem."""
+        own, shared = self.problem.parameters(), self.problem.n_objective_parameters
+        return np.concatenate([whole[:shared], own[shared:]])
+
+
+def relaxed(problem: Problem, variables: FloatArray, parameters: FloatArray) -> Relaxation | None:
+    """Leave out the bounds that are far from active.
+
+    Args:
+        problem: the whole problem.
+        variables: (n,) where a run stands.
+        parameters: of the whole problem.
+
+    Returns:
+        The relaxation, or None if too few bounds can be left out.
+    """
+    values, _ = problem.rows_and_jacobian(variables, parameters)
+    width = np.where(np.isfinite(problem.upper - problem.lower), problem.upper - problem.lower, 1.0)
+    slack = np.minimum(values - problem.lower, problem.upper - values)
+    needed = (slack < MARGIN * width) | (width == 0.0)
+    constraints, rows, start, dropped, kept = [], [], 0, 0, 0
+    for constraint in problem.constraints:
+        count, k = constraint.lower.shape
+        own = needed[start : start + count * k].reshape(count, k).any(axis=1)
+        if own.any():
+            constraints.append(_only(constraint, own))
+        rows.append(start + np.flatnonzero(np.repeat(own, k)))
+        if not constraint.is_equation:
+            dropped, kept = dropped + int((~own).sum()), kept + int(own.sum())
+        start += count * k
+    if kept > WORTHWHILE * (kept + dropped) or dropped == 0 or not constraints:
+        return None
+    return Relaxation(Problem(problem.n_variables, problem.objectives, constraints), np.concatenate(rows))
+
+
+def _only(constraint: Constraint, kept: NDArray[np.bool_]) -> Constraint:
+    if kept.all():
+        return constraint
+    elements = constraint.elements
+    labels = tuple(label for label, keep in zip(constraint.labels, kept.tolist(), strict=True) if keep)
+    some = replace(elements, variables=elements.variables[kept], parameters=elements.parameters[kept])
+    return Constraint(some, constraint.lower[kept], constraint.upper[kept], labels)
