@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi
 import numpy as np
@@ -109,9 +110,16 @@ def scatter(values: casadi.MX, rows: IntArray, columns: IntArray, shape: tuple[i
         columns: (K,) their columns.
         shape: of the matrix.
     """
-    key = columns * shape[0] + rows  # column-major, as CasADi orders nonzeros
+    pattern, summing = _places(rows.astype(np.int64).tobytes(), columns.astype(np.int64).tobytes(), shape)
+    return casadi.MX(pattern, casadi.mtimes(summing, values))
+
+
+@lru_cache(maxsize=9)  # a sweep over one topology builds the same few matrices again and again
+def _places(rows: bytes, columns: bytes, shape: tuple[int, int]) -> tuple[casadi.Sparsity, casadi.DM]:
+    """The sparsity of a matrix, and the matrix of ones that adds up nonzeros that share a place."""
+    key = np.frombuffer(columns, np.int64) * shape[0] + np.frombuffer(rows, np.int64)  # column-major, like CasADi
     unique, place = np.unique(key, return_inverse=True)
     pattern = casadi.Sparsity.triplet(shape[0], shape[1], (unique % shape[0]).tolist(), (unique // shape[0]).tolist())
     k = len(key)
     summing = casadi.Sparsity.triplet(len(unique), k, place.tolist(), list(range(k)))
-    return casadi.MX(pattern, casadi.mtimes(casadi.DM(summing, np.ones(k)), values))
+    return pattern, casadi.DM(summing, np.ones(k))

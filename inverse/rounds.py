@@ -78,6 +78,7 @@ class Rounds:
         options: tolerance of IPOPT, iterations of each round.
         control: ends the rounds from outside.
         start: (n,) variables to start from instead of the seed, or None.
+        multipliers: (R,) that belong to the start, where a solution is the start, or None.
         attempts: how each run of IPOPT ended, for the report.
     """
 
@@ -85,6 +86,7 @@ class Rounds:
     options: SolverKeys
     control: Control
     start: FloatArray | None = None
+    multipliers: FloatArray | None = None
     attempts: list[dict[str, Any]] = field(default_factory=list)
     _round: int = 0
     _feasible: Iterate = (np.inf, np.inf, np.empty(0))
@@ -110,7 +112,7 @@ class Rounds:
         x = model.seed_points.ravel() if start is None else start
         sliding, seen = self.formulation.sliding, set()
         history: list[tuple[float, Solution]] = []
-        multipliers, is_seed = None, start is None
+        multipliers, is_seed = None if start is None else self.multipliers, start is None
         aim, before = model.to_lengths(x.reshape(-1, 3)), None
         problem, solver = self._problem(sliding, extra)
         while True:

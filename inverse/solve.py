@@ -14,6 +14,7 @@ import numpy as np
 
 from inverse import coarse, fold_file, verdict
 from inverse.certify import Certificate, check_frame
+from inverse.errors import InputError
 from inverse.fold_format import frame_of
 from inverse.formulate import Formulation, formulate
 from inverse.ipopt import NEAR, Progress
@@ -35,6 +36,7 @@ class Result:
         interrupted: stopped by the user or the time limit; the design is the best so far.
         design: the design.
         seed: the placed seed.
+        multipliers: (R,) of all constraint rows, which make the result a start for a task like it.
         certificate: the independent certificate of the design.
         report: everything told in ``report.json``.
         formulation: target and terms, for pictures.
@@ -46,23 +48,26 @@ class Result:
     interrupted: bool
     design: Design
     seed: Design
+    multipliers: FloatArray
     certificate: Certificate
     report: dict[str, Any]
     formulation: Formulation
 
 
-def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) -> Result:
+def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None, start: Result | None = None) -> Result:
     """Design a mesh for a specification.
 
     Args:
         loaded: the specification, from :func:`inverse.load`.
         watch: told every iteration.
+        start: the result of a task like this one, such as the same with its target moved a little, to go on from
+            instead of the seed.
 
     Returns:
         The result; read ``certified`` and ``converged`` before using its design.
 
     Raises:
-        InputError: the specification, or a file that it names, cannot be used.
+        InputError: the specification, or a file that it names, cannot be used; the start has another pattern.
     """
     began = time.perf_counter()
     limit = loaded.specification.solver.time_limit_s
@@ -70,9 +75,13 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
     formulation = formulate(loaded)
     formulated = time.perf_counter()
     with _interruptible(control.stop):
-        start, attempts = _start(loaded, formulation.goal.model, control)
+        attempts: list[dict[str, Any]] = []
+        if start is None:
+            variables, multipliers = _from_coarse(loaded, formulation.goal.model, control, attempts), None
+        else:
+            variables, multipliers = _from_result(start, formulation.goal.model), start.multipliers
         started = time.perf_counter()
-        rounds = Rounds(formulation, loaded.specification.solver, control, start)
+        rounds = Rounds(formulation, loaded.specification.solver, control, variables, multipliers)
         solution = rounds.run()
     attempts += rounds.attempts
     solved = time.perf_counter()
@@ -111,27 +120,41 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None) 
     }
     status = _status(converged, certificate, control.stopped, judgement["failed"], rounds.attempts[-1]["ended"])
     return Result(
-        status, converged, certificate.certified, control.stopped, design, goal.model.seed,
+        status, converged, certificate.certified, control.stopped, design, goal.model.seed, solution.multipliers,
         certificate, report, formulation,
     )  # fmt: skip
 
 
-def _start(loaded: Loaded, model: DesignModel, control: Control) -> tuple[FloatArray | None, list[dict[str, Any]]]:
-    """Variables to start a fine grid from, taken from a coarser one, and the attempts made there."""
+def _from_result(start: Result, model: DesignModel) -> FloatArray:
+    """Variables of an earlier result, carried along with the seed where the target has moved."""
+    if start.design.pattern.faces_vertices != model.pattern.faces_vertices:
+        raise InputError(
+            f"the start has another pattern: {len(start.design.pattern.faces_vertices)} facets, "
+            f"the specification {len(model.pattern.faces_vertices)}",
+            hint="Start from a result of the same pattern, or without one.",
+        )
+    moved = start.design.vertices_coords - start.seed.vertices_coords
+    return model.to_dimensionless(model.seed.vertices_coords + moved).ravel()
+
+
+def _from_coarse(
+    loaded: Loaded, model: DesignModel, control: Control, attempts: list[dict[str, Any]]
+) -> FloatArray | None:
+    """Variables to start a fine grid from, taken from a coarser one; what is attempted there is added."""
     task = coarse.coarsened(loaded)
     if task is None:
-        return None, []
+        return None
     formulation = formulate(task)
-    start, attempts = _start(task, formulation.goal.model, control)
+    own = formulation.goal.model
+    start = _from_coarse(task, own, control, attempts)
     rounds = Rounds(formulation, task.specification.solver, control, start)
     solution = rounds.run()
     attempts += rounds.attempts
-    seed = formulation.goal.model
     violations = solution.problem.violations(solution.variables, solution.parameters)
     if control.stopped or max(size for size, _ in violations.values()) > NEAR:
-        return None, attempts  # the seed is better than what failed already
-    points = seed.to_lengths(solution.variables.reshape(-1, 3))
-    return model.to_dimensionless(coarse.spread(seed.seed, points, model.seed)).ravel(), attempts
+        return None  # the seed is better than what failed already
+    points = own.to_lengths(solution.variables.reshape(-1, 3))
+    return model.to_dimensionless(coarse.spread(own.seed, points, model.seed)).ravel()
 
 
 def _status(converged: bool, certificate: Certificate, interrupted: bool, failed: list[str], ended: str) -> str:

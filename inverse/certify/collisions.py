@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inverse.certify.certificate import Measured
-from inverse.certify.motion import N_STATES, Motion
+from inverse.certify.motion import N_STATES, STATES_AT_ONCE, Motion
 from inverse.crossing import crossing_facets
 
 FloatArray = NDArray[np.float64]
@@ -42,16 +42,24 @@ def free_range(motion: Motion) -> tuple[float, float]:
 
 def _reach(motion: Motion, states: FloatArray, flat: float) -> float:
     free = 90.0
-    for crossed in states.tolist():
-        if _crosses(motion, crossed):
-            while abs(crossed - free) > RESOLUTION:
-                middle = (free + crossed) / 2
-                free, crossed = (free, middle) if _crosses(motion, middle) else (middle, crossed)
-            return free
-        free = crossed
+    for some in np.array_split(states, range(STATES_AT_ONCE, len(states), STATES_AT_ONCE)):
+        for crossed, points in zip(some.tolist(), motion.vertices(np.radians(some / 2)), strict=True):
+            if _crosses(motion, points):
+                return _located(motion, free, crossed)
+            free = crossed
     return flat
 
 
-def _crosses(motion: Motion, t: float) -> bool:
-    vertices = motion.vertices(np.radians([t / 2]))[0]
-    return len(crossing_facets(vertices, motion.mesh.facets)) > 0
+def _located(motion: Motion, free: float, crossed: float) -> float:
+    """The last state without a crossing between one without and one with, in degrees."""
+    while abs(crossed - free) > RESOLUTION:
+        middle = (free + crossed) / 2
+        if _crosses(motion, motion.vertices(np.radians([middle / 2]))[0]):
+            crossed = middle
+        else:
+            free = middle
+    return free
+
+
+def _crosses(motion: Motion, points: FloatArray) -> bool:
+    return len(crossing_facets(points, motion.mesh.facets)) > 0
