@@ -127,6 +127,10 @@ class Problem:
             ),
         }
 
+    def rows(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Constraint rows (R,)."""
+        return np.asarray(self.functions["nlp"](x, parameters)[1]).ravel()
+
     def rows_and_jacobian(self, x: FloatArray, parameters: FloatArray) -> tuple[FloatArray, sparse.csr_matrix]:
         """Constraint rows (R,) and their Jacobian (R, n)."""
         rows, jacobian = self.functions["jac_g"](x, parameters)
@@ -143,7 +147,7 @@ class Problem:
 
     def violations(self, x: FloatArray, parameters: FloatArray) -> dict[str, tuple[float, str]]:
         """Largest violation of every constraint, dimensionless, and the element where it is."""
-        rows, _ = self.rows_and_jacobian(x, parameters)
+        rows = self.rows(x, parameters)
         excess = np.maximum(np.maximum(self.lower - rows, rows - self.upper), 0.0)
         found, start = {}, 0
         for constraint in self.constraints:

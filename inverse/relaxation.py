@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inverse.assembly import Problem
+from inverse.ipopt import Attempt, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray
 
-MARGIN = 0.02  # bounds closer than this fraction of their width, or this number where they have one side, are kept
+MARGIN = 0.1  # bounds closer than this fraction of their width, or this number where they have one side, are kept
 WORTHWHILE = 0.25  # of all bounds at most so many may be kept
 
 
@@ -33,6 +34,39 @@ class Relaxation:
         return np.concatenate([whole[:shared], own[shared:]])
 
 
+@dataclass(frozen=True, eq=False)
+class LightSolver:
+    """A solver without idle bounds, to be used like one with all of them.
+
+    Attributes:
+        relaxation: what it solves.
+        n_rows: number of rows of the whole problem.
+        solver: of the relaxation.
+    """
+
+    relaxation: Relaxation
+    n_rows: int
+    solver: Solver
+
+    def approach(self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool) -> Attempt:
+        """As :meth:`Solver.approach`, with parameters and multipliers of the whole problem."""
+        own = self.relaxation.parameters(parameters)
+        return self._whole(self.solver.approach(start, own, limit, is_good=is_good))
+
+    def run(
+        self, start: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, limit: int, *, careful: bool
+    ) -> Attempt:
+        """As :meth:`Solver.run`, with parameters and multipliers of the whole problem."""
+        own, rows = self.relaxation.parameters(parameters), self.relaxation.rows
+        first = None if multipliers is None else multipliers[rows]
+        return self._whole(self.solver.run(start, own, first, limit, careful=careful))
+
+    def _whole(self, attempt: Attempt) -> Attempt:
+        multipliers = np.zeros(self.n_rows)
+        multipliers[self.relaxation.rows] = attempt.multipliers
+        return replace(attempt, multipliers=multipliers)
+
+
 def relaxed(problem: Problem, variables: FloatArray, parameters: FloatArray) -> Relaxation | None:
     """Leave out the bounds that are far from active.
 
@@ -44,7 +78,7 @@ def relaxed(problem: Problem, variables: FloatArray, parameters: FloatArray) -> 
     Returns:
         The relaxation, or None if too few bounds can be left out.
     """
-    values, _ = problem.rows_and_jacobian(variables, parameters)
+    values = problem.rows(variables, parameters)
     width = np.where(np.isfinite(problem.upper - problem.lower), problem.upper - problem.lower, 1.0)
     slack = np.minimum(values - problem.lower, problem.upper - values)
     needed = (slack < MARGIN * width) | (width == 0.0)

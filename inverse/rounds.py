@@ -19,7 +19,7 @@ from inverse.ipopt import NEAR, Attempt, Progress, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
 from inverse.refine import polish
-from inverse.relaxation import relaxed
+from inverse.relaxation import LightSolver, relaxed
 from inverse.spec import Solver as SolverKeys
 
 MAX_ROUNDS = 40
@@ -158,62 +158,63 @@ class Rounds:
         *,
         is_seed: bool,
     ) -> Attempt:
-        """One round: come near, then fast steps; where they stall, exact ones from the point that they reached."""
-        left = self.options.max_iterations
-        if multipliers is None:
-            first = solver.approach(x, parameters, left, is_good=not is_seed)
-            self._recorded(first, "ipopt, linearized constraints")
-            left -= first.iterations
-            if first.succeeded or self.control.stopped or left <= 0:
-                return first
-            if _is_near(problem, first, parameters):
-                x, multipliers = first.variables, first.multipliers
-        attempt = self._without_idle_bounds(problem, x, parameters, multipliers, left)
-        if attempt is not None:
-            left -= attempt.iterations
-            whole = max(size for size, _ in problem.violations(attempt.variables, parameters).values())
-            if (attempt.succeeded and whole <= verdict.BOUND) or self.control.stopped or left <= 0:
-                return attempt
-        if attempt is None or not _is_near(problem, attempt, parameters):
-            attempt = self._recorded(
-                solver.run(x, parameters, multipliers, left, careful=False), "ipopt, static pivots"
-            )
-            left -= attempt.iterations
-            if attempt.succeeded or self.control.stopped or left <= 0:
-                return attempt
-        if _is_near(problem, attempt, parameters):
-            x, multipliers = attempt.variables, attempt.multipliers
-        return self._recorded(solver.run(x, parameters, multipliers, left, careful=True), "ipopt")
+        """One round: come near, then fast steps; where they stall, exact ones from the point that they reached.
 
-    def _without_idle_bounds(
-        self, problem: Problem, x: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, limit: int
-    ) -> Attempt | None:
-        """A run without the bounds that are far from active at a point near the solution; None if there are none."""
-        relaxation = None if multipliers is None else relaxed(problem, x, parameters)
-        if relaxation is None or multipliers is None:
+        From a good start bounds that are far from active are left out. What goes wrong without them, or leaves
+        them, is done again with all.
+        """
+        left = self.options.max_iterations
+        light = None if is_seed else self._light(problem, x, parameters)
+        if multipliers is None:
+            for one in (light, solver) if light else (solver,):
+                attempt = one.approach(x, parameters, left, is_good=not is_seed)
+                self._recorded(attempt, "linearized constraints", one is light)
+                left -= attempt.iterations
+                if self._is_over(problem, attempt, parameters, left):
+                    return attempt
+                if _violation(problem, attempt.variables, parameters) <= NEAR:
+                    x, multipliers = attempt.variables, attempt.multipliers
+                    light = light if one is light else self._light(problem, x, parameters)
+                    break
+                light = None
+        for one in (light, solver) if light else (solver,):
+            attempt = one.run(x, parameters, multipliers, left, careful=False)
+            self._recorded(attempt, "static pivots", one is light)
+            left -= attempt.iterations
+            if self._is_over(problem, attempt, parameters, left):
+                return attempt
+            if _violation(problem, attempt.variables, parameters) <= NEAR:
+                x, multipliers = attempt.variables, attempt.multipliers
+                break
+        attempt = solver.run(x, parameters, multipliers, left, careful=True)
+        return self._recorded(attempt, "pivoting", False)
+
+    def _is_over(self, problem: Problem, attempt: Attempt, parameters: FloatArray, left: int) -> bool:
+        solved = attempt.succeeded and _violation(problem, attempt.variables, parameters) <= verdict.BOUND
+        return solved or self.control.stopped or left <= 0
+
+    def _light(self, problem: Problem, x: FloatArray, parameters: FloatArray) -> LightSolver | None:
+        """A solver without the bounds that are far from active, if there are enough of them."""
+        relaxation = relaxed(problem, x, parameters)
+        if relaxation is None:
             return None
-        rows = relaxation.rows
 
         def report(progress: Progress) -> bool:
-            whole = max(size for size, _ in problem.violations(progress.variables, parameters).values())
+            whole = _violation(problem, progress.variables, parameters)
             return self._report(replace(progress, violation=whole)) and whole <= FAR
 
-        solver = self._solver(relaxation.problem, report)
-        attempt = solver.run(x, relaxation.parameters(parameters), multipliers[rows], limit, careful=False)
-        everywhere = np.zeros(problem.n_rows)
-        everywhere[rows] = attempt.multipliers
-        attempt = replace(attempt, multipliers=everywhere)
-        return self._recorded(attempt, "ipopt, static pivots, without idle bounds")
+        return LightSolver(relaxation, problem.n_rows, self._solver(relaxation.problem, report))
 
-    def _recorded(self, attempt: Attempt, method: str) -> Attempt:
+    def _recorded(self, attempt: Attempt, method: str, is_light: bool) -> Attempt:
         self.attempts.append(
             {
                 "facets": self._facets,
                 "round": self._round,
-                "method": method,
+                "method": f"ipopt, {method}" + (", without idle bounds" if is_light else ""),
                 "ended": attempt.status,
                 "iterations": attempt.iterations,
                 "seconds": attempt.seconds,
+                "seconds_functions": attempt.seconds_functions,
             }
         )
         return attempt
@@ -221,8 +222,7 @@ class Rounds:
     def _kept(self, problem: Problem, parameters: FloatArray) -> FloatArray:
         """The best design so far: an iterate that a polish makes feasible, else the best that was so itself."""
         polished = polish(problem, self._near[2], parameters)
-        worst = max(size for size, _ in problem.violations(polished, parameters).values())
-        return polished if worst <= verdict.BOUND else self._feasible[2]
+        return polished if _violation(problem, polished, parameters) <= verdict.BOUND else self._feasible[2]
 
     @property
     def _facets(self) -> int:
@@ -272,8 +272,8 @@ def _ahead(step: Step, before: Step | None) -> FloatArray:
     return np.asarray((1 - share) * points + share * earlier)
 
 
-def _is_near(problem: Problem, attempt: Attempt, parameters: FloatArray) -> bool:
-    return max(size for size, _ in problem.violations(attempt.variables, parameters).values()) <= NEAR
+def _violation(problem: Problem, x: FloatArray, parameters: FloatArray) -> float:
+    return max(size for size, _ in problem.violations(x, parameters).values())
 
 
 def _no_gain(rms: list[float]) -> bool:

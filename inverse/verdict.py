@@ -38,7 +38,7 @@ def judge(
 ) -> dict[str, Any]:
     """Stationarity, complementarity and violations of every constraint; ``failed`` says in sentences what fails."""
     value, _ = problem.objective_and_gradient(x, parameters)
-    rows, _ = problem.rows_and_jacobian(x, parameters)
+    rows = problem.rows(x, parameters)
     steepness = stationarity(problem, x, multipliers, parameters, model)
     # A multiplier pushes inward from the bound that its sign belongs to; at a bound that is not there it is a
     # fault of its own size.

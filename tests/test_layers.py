@@ -45,7 +45,7 @@ ARROWS: dict[str, set[str]] = {
     "assembly": {"errors", "pattern", "kernels", "model"},
     "ipopt": {"errors", "pattern", "assembly"},
     "refine": {"errors", "pattern", "assembly"},
-    "relaxation": {"pattern", "model", "assembly"},
+    "relaxation": {"pattern", "model", "assembly", "ipopt"},
     "verdict": {"pattern", "geometry", "crossing", "model", "objectives", "assembly", "target"},
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }

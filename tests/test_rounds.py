@@ -21,7 +21,7 @@ def task(**keys: object) -> inverse.spec.Loaded:
     return inverse.from_mapping({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME} | keys)
 
 
-STEPS = ["ipopt, linearized constraints", "ipopt, static pivots, without idle bounds", "ipopt"]
+STEPS = ["ipopt, linearized constraints", "ipopt, static pivots, without idle bounds", "ipopt, pivoting"]
 
 
 @pytest.mark.parametrize("stall", [1, 2, 3])
