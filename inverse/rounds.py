@@ -80,6 +80,7 @@ class Rounds:
         start: (n,) variables to start from instead of the seed, or None.
         multipliers: (R,) that belong to the start, where a solution is the start, or None.
         attempts: how each run of IPOPT ended, for the report.
+        seconds_building: spent on the functions of problems.
     """
 
     formulation: Formulation
@@ -88,6 +89,7 @@ class Rounds:
     start: FloatArray | None = None
     multipliers: FloatArray | None = None
     attempts: list[dict[str, Any]] = field(default_factory=list)
+    seconds_building: float = 0.0
     _round: int = 0
     _feasible: Iterate = (np.inf, np.inf, np.empty(0))
     _near: Iterate = (np.inf, np.inf, np.empty(0))
@@ -240,6 +242,9 @@ class Rounds:
         return problem, self._solver(problem, self._report)
 
     def _solver(self, problem: Problem, report: Callable[[Progress], bool]) -> Solver:
+        began = time.perf_counter()
+        problem.functions  # noqa: B018  built here, to be told apart from solving
+        self.seconds_building += time.perf_counter() - began
         return Solver(problem, self.options.tolerance, self.formulation.goal.model.refinement, report)
 
     def _report(self, progress: Progress) -> bool:

@@ -94,7 +94,8 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None, 
     seconds = {
         "formulate": formulated - began,
         "start": started - formulated,
-        "solve": solved - started,
+        "build": rounds.seconds_building,
+        "solve": solved - started - rounds.seconds_building,
         "polish": polished - solved,
         "certify": time.perf_counter() - polished,
     }
