@@ -64,7 +64,8 @@ def solve(
         print(f"fit       rms {fit['rms_relative']:.4%}, max {fit['max_relative']:.4%} of the diagonal "
               f"(placed seed: rms {fit['start_rms_relative']:.2%})")  # fmt: skip
         print(f"coverage  {result.report['coverage']:.1%} of the target")
-        print(f"solving   {result.report['seconds']['solve']:.1f} s, {result.report['iterations']} iterations")
+        spent = sum(result.report["seconds"][part] for part in ("start", "build", "solve"))
+        print(f"solving   {spent:.1f} s, {result.report['iterations']} iterations")
         for path in report.files(folder):
             print(f"wrote     {path}")
     if result.interrupted:
