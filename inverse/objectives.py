@@ -175,7 +175,7 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-@objective("coverage", default_weight=2e-4)
+@objective("coverage", default_weight=1e-3)
 def coverage(goal: Goal) -> list[Elements]:
     """Facets of the rim stay, in plan, near the place on the target's rim that the placed seed gave them.
 
