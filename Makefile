@@ -33,8 +33,9 @@ format: $(STAMP) ## let ruff rewrite what it can
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
 
-bench: $(STAMP) ## time and quality of the fits
+bench: $(STAMP) ## quality of the fits, then speed from 16 x 16 to 128 x 128 (a quarter of an hour)
 	$(BIN)/python -m benchmarks.fit
+	$(BIN)/python -m benchmarks.speed
 
 lock: ## write requirements.lock anew from pyproject.toml
 	$(PYTHON) -m venv .venv-lock

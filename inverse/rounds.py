@@ -117,6 +117,11 @@ class Rounds:
         multipliers, is_seed = None if start is None else self.multipliers, start is None
         aim, before = model.to_lengths(x.reshape(-1, 3)), None
         problem, solver = self._problem(sliding, extra)
+        if start is not None:
+            # A start may be less feasible than the seed; who stops early gets the better of both.
+            seed = model.seed_points.ravel()
+            value, _ = problem.objective_and_gradient(seed, problem.parameters())
+            self._feasible = (verdict.BOUND, value, seed)
         while True:
             seen.add(_segments(sliding))
             # The problem comes with closest points for the seed.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from typing import Any
 
@@ -12,6 +13,7 @@ from designs import assert_close
 import inverse
 from inverse import coarse
 from inverse.formulate import formulate
+from inverse.ipopt import Progress
 from inverse.pattern import FloatArray
 
 DOME = {"height": "sqrt(1 - x^2 - y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
@@ -108,3 +110,16 @@ def test_a_stop_on_the_coarse_grid_leaves_the_seed(monkeypatch: pytest.MonkeyPat
     assert result.interrupted
     assert not result.converged
     assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
+
+
+@pytest.mark.parametrize("at", [0, 3])
+def test_a_stop_on_the_fine_grid_gives_a_design(at: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    def watch(phase: str, progress: Progress) -> None:
+        if phase.startswith("256 facets") and progress.iteration == at:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(sys.modules["inverse.coarse"], "FINE", 200)
+    result = inverse.solve(task((16, 16)), watch)
+    assert result.interrupted
+    assert result.certified
+    assert not result.converged

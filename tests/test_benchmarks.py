@@ -1,0 +1,32 @@
+"""The benchmarks run: small, to keep them alive; what they measure is for machines that are left alone."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.slow
+def test_speed(tmp_path: Path) -> None:
+    out = tmp_path / "speed.json"
+    command = [sys.executable, "-m", "benchmarks.speed", "--sizes", "6", "8", "--out", str(out)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    rows = json.loads(out.read_text())["rows"]
+    assert [row["facets"] for row in rows] == [36, 64]
+    for row in rows:
+        assert row["certified"]
+        assert row["converged"]
+        assert 0 < row["build_s"] < row["total_s"]
+        assert row["peak_bytes"] > 2**20
+        references = row["references"]
+        assert references["default_ipopt"]["ended"] == "Solve_Succeeded"
+        assert references["paper"]["rms"] <= 5e-4
+        assert all(references[f"moved_{name}"]["certified"] for name in ("sideways", "taller", "bump"))
+        assert references["floor_superlu"]["seconds"] >= references["floor_fastest"]["seconds"] > 0
