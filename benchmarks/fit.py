@@ -18,6 +18,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import inverse
 
 TARGETS = Path(__file__).parents[1] / "targets"
@@ -57,7 +59,7 @@ def measure(specification: dict[str, Any]) -> dict[str, Any]:
         path = Path(folder) / "design.fold"
         inverse.write(result.design, path)
         certificate = inverse.check(path)
-    checks = {name: check.value for name, check in certificate.checks.items()}
+    checks = {name: np.inf if check.value is None else check.value for name, check in certificate.checks.items()}
     fit = result.report["fit"]
     return {
         "name": specification["name"],

@@ -61,3 +61,10 @@ def fold_angles(pattern: Pattern, points: FloatArray) -> FloatArray:
     angles = np.zeros(len(pattern.edges_vertices))
     angles[inner] = np.arctan2(sine, np.einsum("ij,ij->i", left, right))
     return angles
+
+
+def are_convex(pattern: Pattern, points: FloatArray) -> bool:
+    """Whether every facet turns the same way at all its corners: none is reflex, none a bow-tie."""
+    face, previous, vertex, following = pattern.corners.T
+    turn = np.cross(points[vertex] - points[previous], points[following] - points[vertex])
+    return bool((np.einsum("ij,ij->i", turn, facet_normals(pattern, points)[face]) > 0).all())

@@ -56,6 +56,8 @@ WARM_START: dict[str, Any] = {
     "mu_init": 1e-6,
 }
 
+GIVEN_UP = "User_Requested_Stop"  # IPOPT's status when who is told an iterate says stop
+
 
 @dataclass(frozen=True)
 class Progress:

@@ -175,7 +175,7 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-@objective("coverage", default_weight=1e-3)
+@objective("coverage", default_weight=5e-4)
 def coverage(goal: Goal) -> list[Elements]:
     """Facets of the rim stay, in plan, near the place on the target's rim that the placed seed gave them.
 
@@ -201,7 +201,7 @@ def coverage(goal: Goal) -> list[Elements]:
     return blocks
 
 
-@objective("fairness", default_weight=1e-4)
+@objective("fairness", default_weight=5e-5)
 def fairness(goal: Goal) -> list[Elements]:
     """Second differences, at every second vertex along a line, of the displacement from the seed.
 

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from inverse import constraints, objectives, verdict
+from inverse import constraints, geometry, objectives, verdict
 from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
 from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
-from inverse.ipopt import NEAR, Attempt, Progress, Solver
+from inverse.ipopt import GIVEN_UP, NEAR, Attempt, Progress, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
 from inverse.refine import polish
@@ -179,7 +179,7 @@ class Rounds:
                 left -= attempt.iterations
                 if self._is_over(problem, attempt, parameters, left):
                     return attempt
-                if _violation(problem, attempt.variables, parameters) <= NEAR:
+                if attempt.status != GIVEN_UP and _violation(problem, attempt.variables, parameters) <= NEAR:
                     x, multipliers = attempt.variables, attempt.multipliers
                     light = light if one is light else self._light(problem, x, parameters)
                     break
@@ -190,7 +190,7 @@ class Rounds:
             left -= attempt.iterations
             if self._is_over(problem, attempt, parameters, left):
                 return attempt
-            if _violation(problem, attempt.variables, parameters) <= NEAR:
+            if attempt.status != GIVEN_UP and _violation(problem, attempt.variables, parameters) <= NEAR:
                 x, multipliers = attempt.variables, attempt.multipliers
                 break
         attempt = solver.run(x, parameters, multipliers, left, careful=True)
@@ -206,7 +206,12 @@ class Rounds:
         if relaxation is None:
             return None
 
+        pattern = self.formulation.goal.model.pattern
+
         def report(progress: Progress) -> bool:
+            # Sector angles have no sign: without its bounds a facet may turn over and satisfy them again.
+            if not geometry.are_convex(pattern, progress.variables.reshape(-1, 3)):
+                return False
             whole = _violation(problem, progress.variables, parameters)
             return self._report(replace(progress, violation=whole)) and whole <= FAR
 

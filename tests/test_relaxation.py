@@ -9,7 +9,7 @@ import pytest
 from designs import assert_close
 
 import inverse
-from inverse import relaxation
+from inverse import geometry, relaxation
 from inverse.assembly import Problem
 from inverse.formulate import formulate
 from inverse.pattern import FloatArray
@@ -79,3 +79,29 @@ def test_bounds_that_matter_hold(bounds: dict[str, Any], monkeypatch: pytest.Mon
         "ipopt, static pivots",
     }
     assert_close(usual.design.vertices_coords, without.design.vertices_coords, 1e-5)
+
+
+def test_a_facet_that_turns_over_is_noticed() -> None:
+    seed = formulate(task()).goal.model.seed
+    points = seed.vertices_coords
+    assert geometry.are_convex(seed.pattern, points)
+    assert geometry.are_convex(seed.pattern, points @ np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))[0])
+    a, b, c, d = seed.pattern.faces_vertices[0]
+    reflex, bow_tie = points.copy(), points.copy()
+    reflex[a] = points[c] + 0.1 * (points[b] - points[c]) + 0.1 * (points[d] - points[c])
+    bow_tie[[a, b]] = points[[b, a]]
+    assert not geometry.are_convex(seed.pattern, reflex)
+    assert not geometry.are_convex(seed.pattern, bow_tie)
+
+
+def test_a_light_run_that_turns_a_facet_over_is_done_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = inverse.solve(task())
+    monkeypatch.setattr(geometry, "are_convex", lambda *_: False)
+    again = inverse.solve(task())
+    assert [a["method"] for a in again.report["attempts"]][-2:] == [
+        "ipopt, static pivots, without idle bounds",
+        "ipopt, static pivots",
+    ]
+    assert again.certified
+    assert again.converged
+    assert_close(again.design.vertices_coords, usual.design.vertices_coords, 1e-6)
