@@ -119,7 +119,9 @@ def _places(rows: bytes, columns: bytes, shape: tuple[int, int]) -> tuple[casadi
     """The sparsity of a matrix, and the matrix of ones that adds up nonzeros that share a place."""
     key = np.frombuffer(columns, np.int64) * shape[0] + np.frombuffer(rows, np.int64)  # column-major, like CasADi
     unique, place = np.unique(key, return_inverse=True)
-    pattern = casadi.Sparsity.triplet(shape[0], shape[1], (unique % shape[0]).tolist(), (unique // shape[0]).tolist())
+    # Compressed columns from the start: half the time of triplets, which CasADi would sort again.
+    first = np.searchsorted(unique, np.arange(shape[1] + 1) * shape[0])
+    pattern = casadi.Sparsity(shape[0], shape[1], first.tolist(), (unique % shape[0]).tolist())
     k = len(key)
-    summing = casadi.Sparsity.triplet(len(unique), k, place.tolist(), list(range(k)))
-    return pattern, casadi.DM(summing, np.ones(k))
+    summing = casadi.Sparsity(len(unique), k, list(range(k + 1)), place.tolist())
+    return pattern, casadi.DM(summing, 1.0)
