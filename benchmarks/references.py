@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
-from inverse import objectives, verdict
+from inverse import geometry, objectives, verdict
 from inverse.assembly import Problem
 from inverse.formulate import Formulation
 from inverse.ipopt import OBJECTIVE_SCALE
@@ -69,18 +69,16 @@ def paper(formulation: Formulation, rms: float, steps: int = 400) -> dict[str, f
     while made < steps:
         points = model.to_lengths(x.reshape(-1, 3))
         middles = objectives.mean_points(points, groups)
-        diagonal = np.linalg.norm(np.ptp(points, axis=0))
-        reached = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)) / diagonal)
+        reached = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)) / geometry.diagonal(points))
         if reached <= rms:
             break
         wish = 0.5 * (share @ (goal.target.closest(middles).feet - middles)) / model.scale
-        rows, jacobian = problem.rows_and_jacobian(x, p)
+        _, jacobian = problem.rows_and_jacobian(x, p)
         inverse = np.linalg.pinv(jacobian.toarray())
         move = wish.ravel()
         x = x + move - inverse @ (jacobian @ move)
         for _ in range(3):
-            rows, _ = problem.rows_and_jacobian(x, p)
-            x = x - inverse @ rows
+            x = x - inverse @ problem.rows(x, p)
         made += 1
     return {"seconds": time.perf_counter() - began, "steps": made, "rms": reached}
 

@@ -145,10 +145,13 @@ class Problem:
         """Weighted value of every objective term."""
         return dict(zip((o.name for o in self.objectives), self._terms(x, parameters), strict=True))
 
+    def violation(self, x: FloatArray, parameters: FloatArray) -> float:
+        """Largest violation of all constraint rows, dimensionless."""
+        return float(self._excess(x, parameters).max(initial=0.0))
+
     def violations(self, x: FloatArray, parameters: FloatArray) -> dict[str, tuple[float, str]]:
         """Largest violation of every constraint, dimensionless, and the element where it is."""
-        rows = self.rows(x, parameters)
-        excess = np.maximum(np.maximum(self.lower - rows, rows - self.upper), 0.0)
+        excess = self._excess(x, parameters)
         found, start = {}, 0
         for constraint in self.constraints:
             count, k = constraint.lower.shape
@@ -157,6 +160,11 @@ class Problem:
             found[constraint.name] = (float(own[worst]), constraint.labels[worst]) if count else (0.0, "")
             start += count * k
         return found
+
+    def _excess(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
+        """By how much every row (R,) is beyond its bounds."""
+        rows = self.rows(x, parameters)
+        return np.asarray(np.maximum(np.maximum(self.lower - rows, rows - self.upper), 0.0))
 
     def _terms(self, x: FloatArray, parameters: FloatArray) -> list[float]:
         start = len(self.objectives)

@@ -26,6 +26,7 @@ MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
 FAR = 1.0  # a run without bounds is given up when it leaves them by more than this
+APPROACHING, STATIC, PIVOTED = "linearized constraints", "static pivots", "pivoting"  # methods, for the report
 CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
 
 Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
@@ -172,32 +173,27 @@ class Rounds:
         """
         left = self.options.max_iterations
         light = None if is_seed else self._light(problem, x, parameters)
-        if multipliers is None:
+        for method in (APPROACHING, STATIC) if multipliers is None else (STATIC,):
+            near = None
             for one in (light, solver) if light else (solver,):
-                attempt = one.approach(x, parameters, left, is_good=not is_seed)
-                self._recorded(attempt, "linearized constraints", one is light)
+                if method == APPROACHING:
+                    attempt = one.approach(x, parameters, left, is_good=not is_seed)
+                else:
+                    attempt = one.run(x, parameters, multipliers, left, careful=False)
+                self._recorded(attempt, method, one is light)
                 left -= attempt.iterations
                 if self._is_over(problem, attempt, parameters, left):
                     return attempt
-                if attempt.status != GIVEN_UP and _violation(problem, attempt.variables, parameters) <= NEAR:
-                    x, multipliers = attempt.variables, attempt.multipliers
-                    light = light if one is light else self._light(problem, x, parameters)
+                if attempt.status != GIVEN_UP and problem.violation(attempt.variables, parameters) <= NEAR:
+                    near, x, multipliers = one, attempt.variables, attempt.multipliers
                     break
-                light = None
-        for one in (light, solver) if light else (solver,):
-            attempt = one.run(x, parameters, multipliers, left, careful=False)
-            self._recorded(attempt, "static pivots", one is light)
-            left -= attempt.iterations
-            if self._is_over(problem, attempt, parameters, left):
-                return attempt
-            if attempt.status != GIVEN_UP and _violation(problem, attempt.variables, parameters) <= NEAR:
-                x, multipliers = attempt.variables, attempt.multipliers
-                break
+            if method == APPROACHING and near is not light:
+                light = self._light(problem, x, parameters) if near else None
         attempt = solver.run(x, parameters, multipliers, left, careful=True)
-        return self._recorded(attempt, "pivoting", False)
+        return self._recorded(attempt, PIVOTED, False)
 
     def _is_over(self, problem: Problem, attempt: Attempt, parameters: FloatArray, left: int) -> bool:
-        solved = attempt.succeeded and _violation(problem, attempt.variables, parameters) <= verdict.BOUND
+        solved = attempt.succeeded and problem.violation(attempt.variables, parameters) <= verdict.BOUND
         return solved or self.control.stopped or left <= 0
 
     def _light(self, problem: Problem, x: FloatArray, parameters: FloatArray) -> LightSolver | None:
@@ -212,7 +208,7 @@ class Rounds:
             # Sector angles have no sign: without its bounds a facet may turn over and satisfy them again.
             if not geometry.are_convex(pattern, progress.variables.reshape(-1, 3)):
                 return False
-            whole = _violation(problem, progress.variables, parameters)
+            whole = problem.violation(progress.variables, parameters)
             return self._report(replace(progress, violation=whole)) and whole <= FAR
 
         return LightSolver(relaxation, problem.n_rows, self._solver(relaxation.problem, report))
@@ -234,7 +230,7 @@ class Rounds:
     def _kept(self, problem: Problem, parameters: FloatArray) -> FloatArray:
         """The best design so far: an iterate that a polish makes feasible, else the best that was so itself."""
         polished = polish(problem, self._near[2], parameters)
-        return polished if _violation(problem, polished, parameters) <= verdict.BOUND else self._feasible[2]
+        return polished if problem.violation(polished, parameters) <= verdict.BOUND else self._feasible[2]
 
     @property
     def _facets(self) -> int:
@@ -285,10 +281,6 @@ def _ahead(step: Step, before: Step | None) -> FloatArray:
     share = float(np.sum(change * turn) / max(np.sum(turn * turn), np.finfo(float).tiny))
     share = min(max(share, -2.0), 0.5)  # no leaps while rounds still differ much
     return np.asarray((1 - share) * points + share * earlier)
-
-
-def _violation(problem: Problem, x: FloatArray, parameters: FloatArray) -> float:
-    return max(size for size, _ in problem.violations(x, parameters).values())
 
 
 def _no_gain(rms: list[float]) -> bool:

@@ -151,8 +151,7 @@ def _from_coarse(
     rounds = Rounds(formulation, task.specification.solver, control, start)
     solution = rounds.run()
     attempts += rounds.attempts
-    violations = solution.problem.violations(solution.variables, solution.parameters)
-    if control.stopped or max(size for size, _ in violations.values()) > NEAR:
+    if control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
         return None  # the seed is better than what failed already
     points = own.to_lengths(solution.variables.reshape(-1, 3))
     return model.to_dimensionless(coarse.spread(own.seed, points, model.seed)).ravel()
