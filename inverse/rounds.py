@@ -118,6 +118,8 @@ class Rounds:
         multipliers, is_seed = None if start is None else self.multipliers, start is None
         aim, before = model.to_lengths(x.reshape(-1, 3)), None
         problem, solver = self._problem(sliding, extra)
+        if multipliers is not None and multipliers.size != problem.n_rows:
+            multipliers = None  # of a task with other constraints
         if start is not None:
             # A start may be less feasible than the seed; who stops early gets the better of both.
             seed = model.seed_points.ravel()

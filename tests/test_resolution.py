@@ -111,3 +111,14 @@ def test_a_result_is_a_start() -> None:
     assert_close(warm.design.vertices_coords, cold.design.vertices_coords, 1e-6)
     with pytest.raises(inverse.InputError, match="the start has another pattern: 36 facets, the specification 64"):
         inverse.solve(task(8, target=dome), start=first)
+
+
+def test_a_result_of_a_task_with_other_bounds_is_a_start() -> None:
+    dome = {"height": "0.45 - 0.3*(x^2 + y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
+    tight = {"edge_length": [0.95, 1.05]}  # too many near their limits to be left out
+    first = inverse.solve(task(6, target=dome))
+    moved = task(6, target=dome, constraints=tight | {"keep_out": [{"below": -1.0}]})
+    result = inverse.solve(moved, start=first)
+    assert result.multipliers.size > first.multipliers.size
+    assert result.certified
+    assert result.converged
