@@ -67,7 +67,7 @@ def paper(formulation: Formulation, rms: float, steps: int = 400) -> dict[str, f
     x = model.seed_points.ravel()
     made, reached = 0, np.inf
     while made < steps:
-        points = model.to_lengths(x.reshape(-1, 3))
+        points = model.points(x)
         middles = objectives.mean_points(points, groups)
         reached = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)) / geometry.diagonal(points))
         if reached <= rms:

@@ -13,7 +13,7 @@ from cyclopts import App, CycloptsError, Parameter
 from inverse.errors import InputError
 
 if TYPE_CHECKING:
-    from inverse.ipopt import Progress
+    from inverse.attempt import Progress
     from inverse.solve import Result
 
 CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 3

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi
 import numpy as np
 
 from inverse.assembly import Problem
+from inverse.attempt import Attempt, Progress
 from inverse.pattern import FloatArray
 
 # Measured on domes and vaults of 16 x 16 to 32 x 32 facets. METIS ordering and the adaptive barrier make most of
@@ -55,51 +55,6 @@ WARM_START: dict[str, Any] = {
     "warm_start_mult_bound_push": 1e-9,
     "mu_init": 1e-6,
 }
-
-GIVEN_UP = "User_Requested_Stop"  # IPOPT's status when who is told an iterate says stop
-
-
-@dataclass(frozen=True)
-class Progress:
-    """One iteration, as told to whoever watches.
-
-    Attributes:
-        iteration: number of the iteration.
-        objective: weighted objective, dimensionless.
-        violation: largest violation of a constraint row, dimensionless.
-        variables: (n,) the iterate.
-    """
-
-    iteration: int
-    objective: float
-    violation: float
-    variables: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class Attempt:
-    """How a run ended. ``variables`` is the last iterate; whether it is any good is not for IPOPT to say.
-
-    Attributes:
-        variables: (n,) last iterate.
-        multipliers: (R,) of the constraint rows; positive pushes down from an upper bound.
-        status: IPOPT's own word, or that the iterates settled.
-        iterations: number of iterations.
-        seconds: wall time, building included when the solver is used for the first time.
-        seconds_functions: part of it in the functions of the problem; linear algebra takes most of the rest.
-    """
-
-    variables: FloatArray
-    multipliers: FloatArray
-    status: str
-    iterations: int
-    seconds: float
-    seconds_functions: float
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether IPOPT reached its tolerances, not merely its acceptable ones."""
-        return self.status == "Solve_Succeeded"
 
 
 class _Watch(casadi.Callback):

@@ -62,9 +62,18 @@ class DesignModel:
         """Dimensionless points (N, 3) in the seed's unit."""
         return np.asarray(points * self.scale + self.centre)
 
+    @property
+    def n_variables(self) -> int:
+        """Length of the vector of variables."""
+        return 3 * self.pattern.n_vertices
+
+    def points(self, variables: FloatArray) -> FloatArray:
+        """Vertices (V, 3), in the seed's unit, that a vector of variables stands for."""
+        return self.to_lengths(variables[: 3 * self.pattern.n_vertices].reshape(-1, 3))
+
     def design(self, variables: FloatArray) -> Design:
-        """The design that a vector of variables, (3V,), stands for."""
-        return self.seed.moved_to(self.to_lengths(variables.reshape(-1, 3)))
+        """The design that a vector of variables stands for."""
+        return self.seed.moved_to(self.points(variables))
 
     @staticmethod
     def variables_of(vertices: IntArray) -> IntArray:

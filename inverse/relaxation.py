@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inverse.assembly import Problem
-from inverse.ipopt import Attempt, Solver
+from inverse.attempt import Attempt
+from inverse.ipopt import Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray
 

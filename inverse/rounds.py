@@ -13,9 +13,10 @@ import numpy as np
 from inverse import constraints, geometry, objectives, verdict
 from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
+from inverse.attempt import GIVEN_UP, Attempt, Progress
 from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
-from inverse.ipopt import GIVEN_UP, NEAR, Attempt, Progress, Solver
+from inverse.ipopt import NEAR, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
 from inverse.refine import polish
@@ -116,7 +117,7 @@ class Rounds:
         sliding, seen = self.formulation.sliding, set()
         history: list[tuple[float, Solution]] = []
         multipliers, is_seed = None if start is None else self.multipliers, start is None
-        aim, before = model.to_lengths(x.reshape(-1, 3)), None
+        aim, before = model.points(x), None
         problem, solver = self._problem(sliding, extra)
         if multipliers is not None and multipliers.size != problem.n_rows:
             multipliers = None  # of a task with other constraints
@@ -135,7 +136,7 @@ class Rounds:
             x, multipliers = attempt.variables, attempt.multipliers
             if self.control.stopped:
                 x = self._kept(problem, parameters)
-            points = model.to_lengths(x.reshape(-1, 3))
+            points = model.points(x)
             rms = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)))
             self.attempts[-1]["fit_rms"] = rms
             history.append((rms, Solution(x, multipliers, problem, parameters)))
@@ -204,11 +205,11 @@ class Rounds:
         if relaxation is None:
             return None
 
-        pattern = self.formulation.goal.model.pattern
+        model = self.formulation.goal.model
 
         def report(progress: Progress) -> bool:
             # Sector angles have no sign: without its bounds a facet may turn over and satisfy them again.
-            if not geometry.are_convex(pattern, progress.variables.reshape(-1, 3)):
+            if not geometry.are_convex(model.pattern, model.points(progress.variables)):
                 return False
             whole = problem.violation(progress.variables, parameters)
             return self._report(replace(progress, violation=whole)) and whole <= FAR
@@ -240,13 +241,14 @@ class Rounds:
 
     def _crossing(self, x: FloatArray) -> IntArray:
         """Pairs of facets that cross, and those like them."""
-        pattern = self.formulation.goal.model.pattern
-        return _alike(pattern, crossing_facets(x.reshape(-1, 3), pattern.faces_vertices))
+        model = self.formulation.goal.model
+        faces = model.pattern.faces_vertices
+        return _alike(model.pattern, crossing_facets(model.points(x), faces))
 
     def _problem(self, sliding: list[PolylineAnchor], extra: list[Constraint]) -> tuple[Problem, Solver]:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
-        problem = Problem(goal.model.seed_points.size, self.formulation.objectives, terms)
+        problem = Problem(goal.model.n_variables, self.formulation.objectives, terms)
         return problem, self._solver(problem, self._report)
 
     def _solver(self, problem: Problem, report: Callable[[Progress], bool]) -> Solver:

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from inverse import coarse, fold_file, verdict
+from inverse.attempt import Progress
 from inverse.certify import Certificate, check_frame
 from inverse.errors import InputError
 from inverse.fold_format import frame_of
 from inverse.formulate import Formulation, formulate
-from inverse.ipopt import NEAR, Progress
+from inverse.ipopt import NEAR
 from inverse.model import DesignModel
 from inverse.pattern import Design, FloatArray
 from inverse.refine import polish
@@ -153,7 +154,7 @@ def _from_coarse(
     attempts += rounds.attempts
     if control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
         return None  # the seed is better than what failed already
-    points = own.to_lengths(solution.variables.reshape(-1, 3))
+    points = own.points(solution.variables)
     return model.to_dimensionless(coarse.spread(own.seed, points, model.seed)).ravel()
 
 

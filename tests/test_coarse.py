@@ -12,8 +12,8 @@ from designs import assert_close
 
 import inverse
 from inverse import coarse
+from inverse.attempt import Progress
 from inverse.formulate import formulate
-from inverse.ipopt import Progress
 from inverse.pattern import FloatArray
 
 DOME = {"height": "sqrt(1 - x^2 - y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}

@@ -43,9 +43,10 @@ ARROWS: dict[str, set[str]] = {
     "objectives": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "cylinder_loop": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "assembly": {"errors", "pattern", "kernels", "model"},
-    "ipopt": {"errors", "pattern", "assembly"},
+    "attempt": {"pattern"},
+    "ipopt": {"errors", "pattern", "assembly", "attempt"},
     "refine": {"errors", "pattern", "assembly"},
-    "relaxation": {"pattern", "model", "assembly", "ipopt"},
+    "relaxation": {"pattern", "model", "assembly", "attempt", "ipopt"},
     "verdict": {"pattern", "geometry", "crossing", "model", "objectives", "assembly", "target"},
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }

@@ -15,7 +15,7 @@ from test_solve import assert_good, dome, task
 
 import inverse
 from inverse import objectives
-from inverse.ipopt import Progress
+from inverse.attempt import Progress
 
 
 class Told:
