@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from inverse.objectives import register as register_objective
     from inverse.pattern import Design as Design
     from inverse.pattern import Pattern as Pattern
+    from inverse.refine import refine as refine
     from inverse.solve import Result as Result
     from inverse.solve import solve as solve
     from inverse.spec import from_mapping as from_mapping
@@ -43,6 +44,7 @@ _HOMES = {
     "from_mapping": "spec",
     "load": "spec",
     "read": "fold_file",
+    "refine": "refine",
     "solve": "solve",
     "write": "fold_file",
 }
@@ -51,11 +53,11 @@ __all__ = [*sorted(_HOMES), "__version__", "register_objective", "seeds"]
 
 
 class _Package(ModuleType):
-    """Keeps ``inverse.solve`` the function, although ``inverse/solve.py`` bears the same name."""
+    """Keeps ``inverse.solve`` and others functions, although ``inverse/solve.py`` bears the same name."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name == "solve" and isinstance(value, ModuleType):
-            value = value.solve  # importing a submodule sets it as an attribute of its package
+        if _HOMES.get(name) == name and isinstance(value, ModuleType):
+            value = getattr(value, name)  # importing a submodule sets it as an attribute of its package
         super().__setattr__(name, value)
 
 

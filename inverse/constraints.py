@@ -64,12 +64,20 @@ def _planarity(q: casadi.SX, scale: casadi.SX, sides: int) -> casadi.SX:
 
 def edge_length(model: DesignModel, factors: Range) -> Constraint:
     """Every edge's squared length within a band around the seed's; a square has no singular slope at zero."""
-    pattern = model.pattern
-    lengths = geometry.edge_lengths(pattern, model.seed_points)
-    kernel = Kernel("edge_length", lambda q, scale: scale * casadi.sumsqr(q[3:] - q[:3]), 6, 1)
-    elements = Elements("edge_length", kernel, model.variables_of(pattern.edges_vertices), lengths[:, None] ** -2)
+    return _length(model, "edge_length", model.pattern.edges_vertices, factors)
+
+
+def bars(model: DesignModel, name: str, pairs: IntArray) -> Constraint:
+    """Pairs of vertices (N, 2) keep the distance that they have in the seed, as if a rigid bar joined them."""
+    return _length(model, name, pairs, (1.0, 1.0))
+
+
+def _length(model: DesignModel, name: str, pairs: IntArray, factors: Range) -> Constraint:
+    lengths = np.linalg.norm(np.diff(model.seed_points[pairs], axis=1)[:, 0], axis=1)
+    kernel = Kernel("length", lambda q, scale: scale * casadi.sumsqr(q[3:] - q[:3]), 6, 1)
+    elements = Elements(name, kernel, model.variables_of(pairs), lengths[:, None] ** -2)
     bounds = np.full((elements.count, 1), factors[0] ** 2), np.full((elements.count, 1), factors[1] ** 2)
-    return Constraint(elements, *bounds, _edge_labels(pattern.edges_vertices))
+    return Constraint(elements, *bounds, _edge_labels(pairs))
 
 
 def sector_angle(model: DesignModel, limits: Range) -> Constraint:

@@ -19,7 +19,7 @@ from inverse.formulate import Formulation
 from inverse.ipopt import NEAR, Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray, Pattern
-from inverse.refine import polish
+from inverse.projection import polish
 from inverse.relaxation import LightSolver, relaxed
 from inverse.spec import Solver as SolverKeys
 

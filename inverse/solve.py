@@ -21,7 +21,7 @@ from inverse.formulate import Formulation, formulate
 from inverse.ipopt import NEAR
 from inverse.model import DesignModel
 from inverse.pattern import Design, FloatArray
-from inverse.refine import polish
+from inverse.projection import polish
 from inverse.rounds import Control, Rounds
 from inverse.spec import Loaded
 

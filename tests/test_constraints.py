@@ -25,7 +25,7 @@ from inverse import constraints, folding, geometry
 from inverse.assembly import Problem
 from inverse.model import Constraint, DesignModel
 from inverse.pattern import Design
-from inverse.refine import polish
+from inverse.projection import polish
 
 BOUNDS = {"edge_length": (0.3, 3.0), "sector_angle": (0.2, np.pi - 0.2), "fold_angle": (0.3, 2.8)}
 DISKS = {

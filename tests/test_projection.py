@@ -10,7 +10,7 @@ from inverse import constraints
 from inverse.assembly import Problem
 from inverse.model import Constraint, DesignModel
 from inverse.pattern import Design
-from inverse.refine import polish
+from inverse.projection import polish
 
 NAMES = ["miura", "eggbox", "hybrid", "polygonal", "two_holes"]
 
