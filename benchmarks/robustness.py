@@ -8,8 +8,9 @@ Success is: certified, converged, and a fit whose rms is at most a tenth of the 
 written, read back and certified from its file; a result that claims to be certified and is refused there is counted
 apart. Returning the seed is no success, since its fit is the seed's own.
 
-A target is a random polynomial of degree 4 or less over a rectangle, its coefficients falling with the degree; its
-rise, from its lowest to its highest point, is up to half of the shorter side. One in five is given as a triangle mesh.
+A target is a random polynomial of degree 4 or less over a rectangle, its coefficients falling with the degree. Its
+amplitude, half the height from its lowest to its highest point, is up to half of the shorter side. One in five is given
+as a mesh. Hybrids have pairs of CFL lines at random places; a third of all grids has strips of unequal lengths.
 """
 
 from __future__ import annotations
@@ -27,13 +28,22 @@ from typing import Any
 import numpy as np
 
 import inverse
-from benchmarks.fit import hybrid_word
 
 COUNT = 200
 SIZES = (6, 20)
 SIZES_WITHOUT_IPOPT = (6, 10)
 TENTH = 0.1
 FAMILIES = ("Miura", "Miura", "eggbox", "eggbox across", "CFL Miura", "hybrid")
+
+
+def hybrid_word(random: np.random.Generator, lines: int) -> list[str]:
+    """FL with adjacent pairs of CFL at random places, at least one FL before, between and after them."""
+    word = ["FL"]
+    while len(word) < lines - 2:
+        word += ["CFL", "CFL", "FL"] if random.random() < 0.35 else ["FL"]
+    if "CFL" not in word and lines >= 4:
+        word[1:3] = ["CFL", "CFL"]
+    return [*word, *["FL"] * (lines - len(word))]
 
 
 def problem(number: int, sizes: tuple[int, int]) -> tuple[str, dict[str, Any], tuple[Any, ...]]:
@@ -54,7 +64,7 @@ def problem(number: int, sizes: tuple[int, int]) -> tuple[str, dict[str, Any], t
         "CFL Miura": ("CFL", "CFL"),
         "eggbox": ("CFL", "FL"),
         "eggbox across": ("FL", "CFL"),
-        "hybrid": ("FL", hybrid_word(n - 1)),
+        "hybrid": ("FL", hybrid_word(random, n - 1)),
     }
     u_lines, v_lines = words[family]
     side = 10 ** random.uniform(-2, 3) * np.array([1.0, (n / m) * random.uniform(0.7, 1.4)])
@@ -62,13 +72,13 @@ def problem(number: int, sizes: tuple[int, int]) -> tuple[str, dict[str, Any], t
     weights = random.normal(size=len(powers)) / np.array([(i + j) ** 1.5 for i, j in powers])
     a, b = np.meshgrid(np.linspace(-1, 1, 41), np.linspace(-1, 1, 41), indexing="ij")
     heights = sum(w * a**i * b**j for w, (i, j) in zip(weights, powers, strict=True))
-    rise = random.uniform(0.05, 0.5) * side.min()
-    weights *= rise / np.ptp(heights)
+    amplitude = random.uniform(0.05, 0.5) * side.min()
+    weights *= 2 * amplitude / np.ptp(heights)
     # In plan coordinates, so that the expression is what a user would write.
     half = side / 2
     terms = [f"({w / half[0] ** i / half[1] ** j:.17g})*x^{i}*y^{j}" for w, (i, j) in zip(weights, powers, strict=True)]
     domain = [[-float(h), float(h)] for h in half]
-    specification = {
+    specification: dict[str, Any] = {
         "name": f"{number} {family} {m} x {n}",
         "pattern": {
             "size": [m, n],
@@ -79,7 +89,10 @@ def problem(number: int, sizes: tuple[int, int]) -> tuple[str, dict[str, Any], t
             "turn": int(random.choice([0, 90])),
         },
     }
-    return str(specification["name"]), specification, (" + ".join(terms), domain, rise, random.random() < 0.2)
+    if random.random() < 1 / 3:
+        for key, count in (("lengths_u", m), ("lengths_v", n)):
+            specification["pattern"][key] = random.uniform(0.7, 1.4, count).tolist()
+    return str(specification["name"]), specification, (" + ".join(terms), domain, amplitude, random.random() < 0.2)
 
 
 def mesh_of(expression: str, domain: list[list[float]], path: Path) -> None:
@@ -98,10 +111,10 @@ def mesh_of(expression: str, domain: list[list[float]], path: Path) -> None:
 def measure(task: tuple[int, tuple[int, int], str]) -> dict[str, Any]:
     """Solve one problem, write it, read it back, certify it."""
     number, sizes, method = task
-    name, specification, (expression, domain, rise, is_mesh) = problem(number, sizes)
+    name, specification, (expression, domain, amplitude, is_mesh) = problem(number, sizes)
     specification["solver"] = {"method": method}
     row: dict[str, Any] = {"number": number, "name": name, "mesh": is_mesh}
-    row["rise"] = rise / min(hi - lo for lo, hi in domain)
+    row["amplitude"] = amplitude / min(hi - lo for lo, hi in domain)
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         if is_mesh:
@@ -142,7 +155,7 @@ def main() -> int:
     sizes = SIZES if given.method == "ipopt" else SIZES_WITHOUT_IPOPT
     tasks = [(k, sizes, given.method) for k in range(given.first, given.first + given.count)]
     rows = []
-    print(f"{'problem':<30} {'rise':>5} {'cert':>4} {'conv':>4} {'fit rms':>9} {'of seed':>8} {'iter':>5} {'s':>6}")
+    print(f"{'problem':<30} {'ampl':>5} {'cert':>4} {'conv':>4} {'fit rms':>9} {'of seed':>8} {'iter':>5} {'s':>6}")
     with multiprocessing.get_context("spawn").Pool(given.jobs, maxtasksperchild=20) as pool:
         for row in pool.imap(measure, tasks):
             rows.append(row)
@@ -150,7 +163,7 @@ def main() -> int:
                 print(f"{row['name']:<30} refused: {row['error']}", flush=True)
                 continue
             print(
-                f"{row['name'] + (' mesh' if row['mesh'] else ''):<30} {row['rise']:>5.2f} "
+                f"{row['name'] + (' mesh' if row['mesh'] else ''):<30} {row['amplitude']:>5.2f} "
                 f"{'yes' if row['certified'] else 'NO':>4} {'yes' if row['converged'] else 'NO':>4} "
                 f"{row['fit']:>9.4%} {row['gain']:>8.2%} {row['iterations']:>5} {row['seconds']:>6.1f}"
                 f"{'' if row['success'] else '  ' + row['status']}",

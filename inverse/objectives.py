@@ -9,7 +9,7 @@ from typing import Literal
 import casadi
 import numpy as np
 
-from inverse import geometry
+from inverse import geometry, placement
 from inverse.errors import InputError
 from inverse.kernels import Elements, Kernel
 from inverse.model import DesignModel, Objective
@@ -177,7 +177,7 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
 
 @objective("coverage", default_weight=5e-4)
 def coverage(goal: Goal) -> list[Elements]:
-    """Facets of the rim stay, in plan, near the place on the target's rim that the placed seed gave them.
+    """Facets of the rim stay near the places that they have where the seed is spread over the target.
 
     Fit alone is content with a mesh that has shrunk into a corner of the target. Within ``SLACK`` the pull is
     weak, so that it costs no fit; beyond, where the target's rim would come to lie bare, it is strong.
@@ -185,19 +185,19 @@ def coverage(goal: Goal) -> list[Elements]:
     model = goal.model
     pattern = model.pattern
     rim = np.unique(pattern.edges_faces[pattern.edges_type == B, 0])
-    plan = goal.target.frame.axes[:2]
     blocks: list[Elements] = []
     for sides in sorted({len(pattern.faces_vertices[f]) for f in rim}):
-        group = np.array([pattern.faces_vertices[f] for f in rim if len(pattern.faces_vertices[f]) == sides], np.int64)
-        places = model.seed_points[group].mean(axis=1) @ plan.T
+        facets = np.array([f for f in rim if len(pattern.faces_vertices[f]) == sides], np.int64)
+        group = np.array([pattern.faces_vertices[f] for f in facets], np.int64)
+        places = model.to_dimensionless(placement.rim_places(model.seed, goal.target, facets))
 
         def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
-            offset = (casadi.DM(plan) @ _mean(q, k) - p) / model.refinement
+            offset = (_mean(q, k) - p) / model.refinement
             beyond = casadi.fmax(0, casadi.sumsqr(offset) - SLACK**2) / (2 * SLACK)
             return casadi.vertcat(WEAK * offset, STRONG * beyond)
 
         name = "coverage" if not blocks else f"coverage_{sides}"
-        blocks.append(Elements(name, Kernel(name, residual, 3 * sides, 2), model.variables_of(group), places))
+        blocks.append(Elements(name, Kernel(name, residual, 3 * sides, 3), model.variables_of(group), places))
     return blocks
 
 

@@ -70,6 +70,7 @@ CONSTRAINTS: dict[str, Callable[[DesignModel], list[Constraint]]] = {
     "edge_length": lambda model: [constraints.edge_length(model, BOUNDS["edge_length"])],
     "sector_angle": lambda model: [constraints.sector_angle(model, BOUNDS["sector_angle"])],
     "fold_angle": lambda model: [constraints.fold_angle(model, BOUNDS["fold_angle"])],
+    "bars": lambda model: [constraints.bars(model, "bars", np.array([[0, 1], [0, 7]]))],
     "on_point": lambda model: [constraints.on_point(model, "on_point", FEW[:1], POINT)],
     "on_plane": lambda model: [constraints.on_plane(model, "on_plane", FEW, POINT, NORMAL)],
     "on_segment": on_segment,

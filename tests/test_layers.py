@@ -40,7 +40,7 @@ ARROWS: dict[str, set[str]] = {
     "kernels": {"pattern"},
     "model": {"pattern", "geometry", "kernels"},
     "constraints": {"errors", "pattern", "geometry", "kernels", "model", "target"},
-    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "target"},
+    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "target", "placement"},
     "cylinder_loop": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "assembly": {"errors", "pattern", "kernels", "model"},
     "attempt": {"pattern"},

@@ -9,6 +9,7 @@ import pytest
 from designs import assert_close
 
 import inverse
+from inverse import geometry
 from inverse.assembly import Problem
 from inverse.formulate import formulate
 from inverse.model import DesignModel
@@ -34,7 +35,9 @@ def terms(n: int, move: Any) -> dict[str, float]:
 
 
 def shifted(model: DesignModel, u: FloatArray, v: FloatArray) -> FloatArray:
-    return np.hstack([0.01 + 0 * u, 0.02 + 0 * u, 0.03 + 0 * u])
+    """From the target, where the seed's mean vertex is and its facets are not."""
+    heights = geometry.facet_centroids(model.pattern, model.seed.vertices_coords)[:, 2]
+    return np.hstack([0.01 + 0 * u, 0.02 + 0 * u, 0.08 - heights.mean() + 0 * u])
 
 
 def bent(model: DesignModel, u: FloatArray, v: FloatArray) -> FloatArray:
@@ -49,8 +52,10 @@ def stretched(model: DesignModel, u: FloatArray, v: FloatArray) -> FloatArray:
 def test_the_same_movement_costs_the_same_at_every_size(name: str, move: Any) -> None:
     values = [terms(n, move)[name] for n in SIZES]
     assert values[0] > 1e-9
-    # Along the last two lines of a parity there is no second difference: a matter of one row in n.
-    assert_close(values, [values[0]] * len(SIZES), 1e-12 if name != "fairness" else 0.02 * values[0])
+    # Along the last two lines of a parity there is no second difference, and corrugations that reach beyond the
+    # target's border are taken back to it: matters of one row in n.
+    tolerance = {"coverage": 0.08, "fairness": 0.02, "evenness": 1e-9}[name]
+    assert_close(values, [values[0]] * len(SIZES), tolerance * values[0])
 
 
 def test_distances_are_in_sixteenths_of_the_model() -> None:
