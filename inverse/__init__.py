@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from inverse.pattern import Pattern as Pattern
     from inverse.refine import refine as refine
     from inverse.solve import Result as Result
+    from inverse.solve import SolveError as SolveError
     from inverse.solve import solve as solve
     from inverse.spec import from_mapping as from_mapping
     from inverse.spec import load as load
@@ -39,6 +40,7 @@ _HOMES = {
     "InputError": "errors",
     "Pattern": "pattern",
     "Result": "solve",
+    "SolveError": "solve",
     "check": "certify",
     "fold": "folding",
     "from_mapping": "spec",

@@ -161,6 +161,26 @@ class Problem:
             start += count * k
         return found
 
+    def not_a_number(self, x: FloatArray, parameters: FloatArray) -> tuple[str, str] | None:
+        """Name and element of a term whose value or derivatives are not finite, or None where all are."""
+        start = len(self.objectives)
+        if not np.isfinite(parameters[:start]).all():
+            return "the weights", "the objectives"
+        labels = [None] * start + [c.labels for c in self.constraints]
+        for k, e in enumerate(self._elements):
+            own = parameters[start : start + e.parameters.size].reshape(e.count, -1).T
+            start += e.parameters.size
+            kernel, local = e.kernel, x[e.variables].T
+            ones = np.ones((kernel.n_residuals, e.count))
+            values = [np.asarray(f.map(e.count)(local, own)) for f in (kernel.value, kernel.jacobian)]
+            values.append(np.asarray(kernel.curvature.map(e.count)(local, own, ones)))
+            bad = [np.flatnonzero(~np.isfinite(v).all(axis=0)) for v in values]
+            columns = [int(b[0]) // (v.shape[1] // e.count) for b, v in zip(bad, values, strict=True) if len(b)]
+            if columns:
+                names = labels[k]
+                return e.name, _vertices(e.variables[columns[0]]) if names is None else names[columns[0]]
+        return None
+
     def _excess(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
         """By how much every row (R,) is beyond its bounds."""
         rows = self.rows(x, parameters)
@@ -176,6 +196,13 @@ class Problem:
             values.append(float(weight * np.sum(np.asarray(squares)) / (e.count * e.kernel.n_residuals)))
             start += e.parameters.size
         return values
+
+
+def _vertices(variables: IntArray) -> str:
+    """The vertices that an element is made of, for messages."""
+    numbers = np.unique(variables // 3)
+    some = ", ".join(str(v) for v in numbers[:4])
+    return f"vertex {some}" if len(numbers) == 1 else f"vertices {some}{', ...' if len(numbers) > 4 else ''}"
 
 
 class _Triplets:

@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 from inverse.pattern import FloatArray
 
-GIVEN_UP = "User_Requested_Stop"  # IPOPT's status when who is told an iterate says stop
+# IPOPT's words for runs that did not end at a solution; other solvers use the same.
+GIVEN_UP = "User_Requested_Stop"  # who is told an iterate says stop
+LIMIT = "Maximum_Iterations_Exceeded"
+INVALID_NUMBER = "Invalid_Number_Detected"
 
 
 @dataclass(frozen=True)

@@ -39,8 +39,12 @@ class Formulation:
     sliding: list[PolylineAnchor]
 
 
-def formulate(loaded: Loaded) -> Formulation:
+def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     """Read what the specification names and build all terms.
+
+    Args:
+        loaded: the specification.
+        share: of the target's heights over its plan; below 1 for a task on the way to it, with the same seed.
 
     Raises:
         InputError: with the place in the specification.
@@ -49,7 +53,7 @@ def formulate(loaded: Loaded) -> Formulation:
     target = build_target(loaded)
     seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target))
     model = DesignModel(seed)
-    goal = Goal(model, target, specification.fit.points)
+    goal = Goal(model, target if share == 1 else target.flattened(share), specification.fit.points)
     for name in specification.objectives:
         if name not in objectives.OBJECTIVES:
             known = ", ".join(sorted(objectives.OBJECTIVES))

@@ -10,7 +10,7 @@ import casadi
 import numpy as np
 
 from inverse.assembly import Problem
-from inverse.attempt import Attempt, Progress
+from inverse.attempt import LIMIT, Attempt, Progress
 from inverse.pattern import FloatArray
 
 # Measured on domes and vaults of 16 x 16 to 32 x 32 facets. METIS ordering and the adaptive barrier make most of
@@ -113,7 +113,7 @@ class _Watch(casadi.Callback):
         if self._until_settled and violation <= NEAR and abs(progress.objective - last) <= LITTLE * last:
             self.ended = "Settled"
         if progress.iteration >= self._limit:
-            self.ended = "Maximum_Iterations_Exceeded"
+            self.ended = LIMIT
         return [0 if self.ended is None else 1]
 
 

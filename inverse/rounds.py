@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -13,7 +12,8 @@ import numpy as np
 from inverse import constraints, geometry, objectives, verdict
 from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
-from inverse.attempt import GIVEN_UP, Attempt, Progress
+from inverse.attempt import GIVEN_UP, INVALID_NUMBER, Attempt, Progress
+from inverse.control import Control
 from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
 from inverse.ipopt import NEAR, Solver
@@ -51,26 +51,6 @@ class Solution:
     parameters: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class Control:
-    """What ends a solve from outside, and who is told.
-
-    Attributes:
-        deadline: on the monotonic clock, in seconds.
-        watch: told every iteration.
-        stop: set to end at the next iteration.
-    """
-
-    deadline: float
-    watch: Callable[[str, Progress], None]
-    stop: threading.Event = field(default_factory=threading.Event)
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the user or the clock ended the solve."""
-        return self.stop.is_set() or time.monotonic() >= self.deadline
-
-
 @dataclass
 class Rounds:
     """The rounds of one solve.
@@ -79,6 +59,7 @@ class Rounds:
         formulation: what is solved.
         options: tolerance of IPOPT, iterations of each round.
         control: ends the rounds from outside.
+        method: the solver, ipopt or nlopt.
         start: (n,) variables to start from instead of the seed, or None.
         multipliers: (R,) that belong to the start, where a solution is the start, or None.
         attempts: how each run of IPOPT ended, for the report.
@@ -88,6 +69,7 @@ class Rounds:
     formulation: Formulation
     options: SolverKeys
     control: Control
+    method: str
     start: FloatArray | None = None
     multipliers: FloatArray | None = None
     attempts: list[dict[str, Any]] = field(default_factory=list)
@@ -110,6 +92,14 @@ class Rounds:
                 return solution
             apart = more
 
+    def unsolved(self) -> Solution:
+        """The start as a solution that no solver has touched."""
+        goal = self.formulation.goal
+        x = goal.model.seed_points.ravel() if self.start is None else self.start
+        problem, _ = self._problem(self.formulation.sliding, [])
+        parameters = problem.parameters(objectives.refreshed(goal, goal.model.points(x)))
+        return Solution(x, np.zeros(problem.n_rows), problem, parameters)
+
     def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Solution:
         """Rounds from a start, or the seed, until the closest points and the segments of polylines have settled."""
         goal, model = self.formulation.goal, self.formulation.goal.model
@@ -121,6 +111,8 @@ class Rounds:
         problem, solver = self._problem(sliding, extra)
         if multipliers is not None and multipliers.size != problem.n_rows:
             multipliers = None  # of a task with other constraints
+        if problem.not_a_number(x, problem.parameters()) is not None:
+            return Solution(x, np.zeros(problem.n_rows), problem, problem.parameters())
         if start is not None:
             # A start may be less feasible than the seed; who stops early gets the better of both.
             seed = model.seed_points.ravel()
@@ -142,7 +134,7 @@ class Rounds:
             history.append((rms, Solution(x, multipliers, problem, parameters)))
             fresh = problem.parameters(objectives.refreshed(goal, points))
             onward = [anchor.moved_on(points) for anchor in sliding]
-            if self.control.stopped or self._round >= MAX_ROUNDS or len(self._crossing(x)):
+            if self._ends(attempt) or self._round >= MAX_ROUNDS or len(self._crossing(x)):
                 return Solution(x, multipliers, problem, fresh)
             if _segments(onward) not in seen:
                 sliding, multipliers, history, aim, before = onward, None, [], points, None
@@ -197,7 +189,11 @@ class Rounds:
 
     def _is_over(self, problem: Problem, attempt: Attempt, parameters: FloatArray, left: int) -> bool:
         solved = attempt.succeeded and problem.violation(attempt.variables, parameters) <= verdict.BOUND
-        return solved or self.control.stopped or left <= 0
+        return solved or self._ends(attempt) or left <= 0
+
+    def _ends(self, attempt: Attempt) -> bool:
+        """Whether there is nothing more to do: stopped, or a term without a value, which no solver mends."""
+        return self.control.stopped or attempt.status == INVALID_NUMBER
 
     def _light(self, problem: Problem, x: FloatArray, parameters: FloatArray) -> LightSolver | None:
         """A solver without the bounds that are far from active, if there are enough of them."""
@@ -261,8 +257,7 @@ class Rounds:
         """Keep the best iterates; False stops IPOPT."""
         self._feasible = _better(self._feasible, progress, verdict.BOUND)
         self._near = _better(self._near, progress, NEAR)
-        self.control.watch(f"{self._facets} facets, round {self._round}", progress)
-        return not self.control.stopped
+        return self.control.tell(f"{self._facets} facets, round {self._round}", progress)
 
 
 def _better(best: Iterate, progress: Progress, tolerated: float) -> Iterate:

@@ -1,28 +1,22 @@
-"""The policy of solving: rounds of IPOPT, polish, and a verdict from our own unscaled residuals."""
+"""Solving a specification: from what it says to a result that says what happened."""
 
 from __future__ import annotations
 
-import signal
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from inverse import coarse, fold_file, verdict
-from inverse.attempt import Progress
-from inverse.certify import Certificate, check_frame
+from inverse import statuses, verdict
+from inverse.attempt import LIMIT
+from inverse.certify import Certificate
+from inverse.control import Control, Watch
 from inverse.errors import InputError
-from inverse.fold_format import frame_of
 from inverse.formulate import Formulation, formulate
-from inverse.ipopt import NEAR
 from inverse.model import DesignModel
 from inverse.pattern import Design, FloatArray
-from inverse.projection import polish
-from inverse.rounds import Control, Rounds
+from inverse.policy import Outcome, Policy, reasons
 from inverse.spec import Loaded
 
 
@@ -31,10 +25,11 @@ class Result:
     """What a solve found, whether or not it is any good.
 
     Attributes:
-        status: a sentence: how it ended and, unless certified and converged, what to do next.
+        ending: a word of :data:`inverse.statuses.ENDINGS`: ``solved``, or why not.
+        status: the same as a sentence: how it ended and, unless certified and converged, what to do next.
         converged: stationary and feasible by our own test.
         certified: the independent certificate passes.
-        interrupted: stopped by the user or the time limit; the design is the best so far.
+        interrupted: stopped by the user, the time limit or a broken watch; the design is the best so far.
         design: the design.
         seed: the placed seed.
         multipliers: (R,) of all constraint rows, which make the result a start for a task like it.
@@ -43,6 +38,7 @@ class Result:
         formulation: target and terms, for pictures.
     """
 
+    ending: str
     status: str
     converged: bool
     certified: bool
@@ -55,7 +51,19 @@ class Result:
     formulation: Formulation
 
 
-def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None, start: Result | None = None) -> Result:
+class SolveError(RuntimeError):
+    """A solve that was to raise where its design is not both certified and converged.
+
+    Args:
+        result: what it found nevertheless; its status says how it ended and what to do next.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result = result
+        super().__init__(result.status)
+
+
+def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = None, *, throw: bool = False) -> Result:
     """Design a mesh for a specification.
 
     Args:
@@ -63,71 +71,41 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None, 
         watch: told every iteration.
         start: the result of a task like this one, such as the same with its target moved a little, to go on from
             instead of the seed.
+        throw: raise where the design is not both certified and converged.
 
     Returns:
-        The result; read ``certified`` and ``converged`` before using its design.
+        The result; without ``throw``, read ``certified`` and ``converged`` before using its design.
 
     Raises:
         InputError: the specification, or a file that it names, cannot be used; the start has another pattern.
+        SolveError: with ``throw``, for every ending but ``solved``; it carries the result.
     """
     began = time.perf_counter()
     limit = loaded.specification.solver.time_limit_s
-    control = Control(np.inf if limit is None else time.monotonic() + limit, watch or (lambda _phase, _progress: None))
+    control = Control(np.inf if limit is None else time.monotonic() + limit, watch)
     formulation = formulate(loaded)
+    policy = Policy(loaded, formulation, control)
     formulated = time.perf_counter()
-    with _interruptible(control.stop):
-        attempts: list[dict[str, Any]] = []
+    with control.interruptible():
         if start is None:
-            variables, multipliers = _from_coarse(loaded, formulation.goal.model, control, attempts), None
+            outcome = policy.run(None, None)
         else:
-            variables, multipliers = _from_result(start, formulation.goal.model), start.multipliers
-        started = time.perf_counter()
-        rounds = Rounds(formulation, loaded.specification.solver, control, variables, multipliers)
-        solution = rounds.run()
-    attempts += rounds.attempts
-    solved = time.perf_counter()
-    problem, parameters = solution.problem, solution.parameters
-    variables = polish(problem, solution.variables, parameters)
-    goal = formulation.goal
-    design = goal.model.design(variables)
-    polished = time.perf_counter()
-    certificate = check_frame(frame_of(fold_file.document(design)))
-    seconds = {
-        "formulate": formulated - began,
-        "start": started - formulated,
-        "build": rounds.seconds_building,
-        "solve": solved - started - rounds.seconds_building,
-        "polish": polished - solved,
-        "certify": time.perf_counter() - polished,
-    }
-
-    judgement = verdict.judge(problem, variables, solution.multipliers, parameters, goal.model)
-    converged = not judgement["failed"]
-    report = {
-        "converged": converged,
-        "certified": certificate.certified,
-        "fit": verdict.fit(goal, design),
-        "coverage": verdict.coverage(goal, design),
-        "objective": problem.objective_terms(variables, parameters),
-        "verdict": judgement,
-        "iterations": sum(attempt["iterations"] for attempt in attempts),
-        "attempts": attempts,
-        "seconds": seconds,
-        "size": {
-            "facets": len(design.pattern.faces_vertices),
-            "variables": problem.n_variables,
-            "rows": problem.n_rows,
-            "degrees_of_freedom": design.pattern.degrees_of_freedom,
-        },
-    }
-    status = _status(converged, certificate, control.stopped, judgement["failed"], rounds.attempts[-1]["ended"])
-    return Result(
-        status, converged, certificate.certified, control.stopped, design, goal.model.seed, solution.multipliers,
-        certificate, report, formulation,
+            outcome = policy.run(_variables(start, formulation.goal.model), start.multipliers)
+    ending, details = _ending(policy, outcome)
+    report = _report(policy, outcome) | {"ending": ending}
+    report["seconds"] = {"formulate": formulated - began} | policy.seconds
+    result = Result(
+        ending, statuses.sentence(ending, details), outcome.converged, outcome.certificate.certified,
+        control.stopped and not outcome.is_solved,
+        outcome.design, formulation.goal.model.seed, outcome.solution.multipliers, outcome.certificate, report,
+        formulation,
     )  # fmt: skip
+    if throw and ending != statuses.SOLVED:
+        raise SolveError(result) from control.failure
+    return result
 
 
-def _from_result(start: Result, model: DesignModel) -> FloatArray:
+def _variables(start: Result, model: DesignModel) -> FloatArray:
     """Variables of an earlier result, carried along with the seed where the target has moved."""
     if start.design.pattern.faces_vertices != model.pattern.faces_vertices:
         raise InputError(
@@ -139,45 +117,47 @@ def _from_result(start: Result, model: DesignModel) -> FloatArray:
     return model.to_dimensionless(model.seed.vertices_coords + moved).ravel()
 
 
-def _from_coarse(
-    loaded: Loaded, model: DesignModel, control: Control, attempts: list[dict[str, Any]]
-) -> FloatArray | None:
-    """Variables to start a fine grid from, taken from a coarser one; what is attempted there is added."""
-    task = coarse.coarsened(loaded)
-    if task is None:
-        return None
-    formulation = formulate(task)
-    own = formulation.goal.model
-    start = _from_coarse(task, own, control, attempts)
-    rounds = Rounds(formulation, task.specification.solver, control, start)
-    solution = rounds.run()
-    attempts += rounds.attempts
-    if control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
-        return None  # the seed is better than what failed already
-    points = own.points(solution.variables)
-    return model.to_dimensionless(coarse.spread(own.seed, points, model.seed)).ravel()
+def _ending(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
+    """The word for how a solve ended, and what was measured."""
+    control, details = policy.control, reasons(outcome)
+    if outcome.is_solved:
+        return statuses.SOLVED, details
+    if policy.not_a_number is not None:
+        name, element = policy.not_a_number
+        return "not_a_number", [f"{name} at {element}"]
+    if control.failure is not None:
+        return "watch_failed", [f"{type(control.failure).__name__}: {control.failure}", *details]
+    if control.stop.is_set():
+        return "interrupted", details
+    if control.timed_out:
+        return "time_limit", details
+    if policy.reached is not None and policy.reached < 1:
+        details = [*details, f"a path from the seed came to {policy.reached:.3g} of the target's height"]
+    if not outcome.is_feasible:
+        return "infeasible", details
+    if outcome.converged:
+        return "not_certified", details
+    ran_out = any(attempt["ended"] == LIMIT for attempt in policy.attempts[-3:])
+    return "iteration_limit" if ran_out else "stalled", details
 
 
-def _status(converged: bool, certificate: Certificate, interrupted: bool, failed: list[str], ended: str) -> str:
-    if converged and certificate.certified:
-        return "certified and converged"
-    reasons = [*(check.sentence for check in certificate.checks.values() if not check.passed), *failed]
-    start = "interrupted, the best design so far was kept" if interrupted else f"IPOPT ended with {ended}"
-    advice = (
-        "Let it run on, or raise solver.time_limit_s." if interrupted
-        else "Loosen the bounds or anchors, turn the pattern (pattern.turn), or take more facets."
-    )  # fmt: skip
-    return f"{start}: {'; '.join(reasons)}. {advice}"
-
-
-@contextmanager
-def _interruptible(stop: threading.Event) -> Iterator[None]:
-    """Let Ctrl-C end the run at its next iteration instead of in the middle of one."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    previous = signal.signal(signal.SIGINT, lambda _signal, _frame: stop.set())
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, previous)
+def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
+    goal, design = policy.formulation.goal, outcome.design
+    problem, parameters = outcome.solution.problem, outcome.solution.parameters
+    return {
+        "converged": outcome.converged,
+        "certified": outcome.certificate.certified,
+        "fit": verdict.fit(goal, design),
+        "coverage": verdict.coverage(goal, design),
+        "objective": problem.objective_terms(outcome.solution.variables, parameters),
+        "verdict": outcome.judgement,
+        "iterations": sum(attempt["iterations"] for attempt in policy.attempts),
+        "attempts": policy.attempts,
+        "reached": policy.reached,
+        "size": {
+            "facets": len(design.pattern.faces_vertices),
+            "variables": problem.n_variables,
+            "rows": problem.n_rows,
+            "degrees_of_freedom": design.pattern.degrees_of_freedom,
+        },
+    }

@@ -44,6 +44,7 @@ ARROWS: dict[str, set[str]] = {
     "cylinder_loop": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "assembly": {"errors", "pattern", "kernels", "model"},
     "attempt": {"pattern"},
+    "control": {"attempt"},
     "ipopt": {"errors", "pattern", "assembly", "attempt"},
     "projection": {"pattern", "assembly"},
     "refine": {"errors", "pattern", "geometry", "kernels", "model", "constraints", "assembly", "projection"},
@@ -55,6 +56,8 @@ ARROWS: dict[str, set[str]] = {
 ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "refine", "verdict", "certify"}
 ARROWS["coarse"] = {"pattern", "spec"}
 ARROWS["rounds"] = set(ARROWS) - {"certify"}
+ARROWS["statuses"] = set()
+ARROWS["policy"] = set(ARROWS)
 ARROWS["solve"] = set(ARROWS)
 ARROWS["context"] = {"errors", "files", "words", "pattern"}
 

@@ -86,6 +86,18 @@ class Target(ABC):
         feet = flat.closest((points - frame.origin) @ frame.axes.T * scale).feet
         return np.asarray((feet / scale) @ frame.axes + frame.origin)
 
+    def flattened(self, share: float) -> Target:
+        """The surface with its heights over its plan lowered to a share of themselves, on the way from a flat seed.
+
+        Args:
+            share: 0 for the plan itself, 1 for the surface.
+        """
+        from inverse.target.mesh import MeshTarget
+
+        frame, (vertices, triangles) = self.frame, self.triangles()
+        heights = (vertices - frame.origin) @ frame.axes[2]
+        return MeshTarget(vertices - (1 - share) * heights[:, None] * frame.axes[2], triangles)
+
     def samples(self) -> tuple[FloatArray, FloatArray]:
         """Centroids (T, 3) of the surface's triangles and their areas (T,)."""
         vertices, triangles = self.triangles()

@@ -119,6 +119,7 @@ class HeightTarget(ParametricTarget):
     """
 
     def __init__(self, expression: str, domain: Sequence[Sequence[float]]) -> None:
+        self.expression, self.domain = expression, domain
         self.height = parse(expression)
         q = casadi.SX.sym("q", 2)
         surface = casadi.Function("surface", [q], [casadi.vertcat(q, self.height(q[0], q[1]))])
@@ -132,6 +133,11 @@ class HeightTarget(ParametricTarget):
         height = float(points[:, 2] @ areas / areas.sum())
         size = self.high - self.low
         return Frame(np.r_[middle, height], np.eye(3), (float(size[0]), float(size[1])))
+
+    def flattened(self, share: float) -> HeightTarget:
+        """See :meth:`Target.flattened`; a height stays a height."""
+        level = float(self.frame.origin[2])
+        return HeightTarget(f"({level!r}) + {share!r}*(({self.expression}) - ({level!r}))", self.domain)
 
     def residual(self, point: casadi.SX) -> casadi.SX:
         """Height difference along the normal, and how far the point lies outside the domain.
