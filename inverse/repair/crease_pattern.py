@@ -1,0 +1,62 @@
+"""A flat crease pattern folded part of the way, so that it has an intermediate state to be exact in."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from inverse import folding, geometry
+from inverse.crossing import crossing_facets
+from inverse.errors import InputError
+from inverse.pattern import FL, Design, Pattern
+from inverse.repair.assignments import Folding
+from inverse.repair.measures import laid_upon
+from inverse.repair.snap import Snapped, snapped
+
+# Factors of the half-angle tangents whose largest and least are as far above as below 90 degrees. Deep folds make a
+# well-shaped solid, but the sheet may run into itself: then less and less.
+FOLD_STATES = (1.0, 0.6, 0.35, 0.2, 0.1)
+
+
+def folded(flat: Design, motion: Folding, state: float) -> Design:
+    """The crease pattern folded to one state, gaps left by its errors shared among the facets."""
+    return flat.moved_to(folding.folded_by(flat, 2 * np.arctan(state * motion.tangents)))
+
+
+def snapped_at_best_state(flat: Design, motion: Folding) -> tuple[Design, Snapped]:
+    """Fold a crease pattern and make it exact, in the deepest state that is sound and has no crossing facets.
+
+    Returns:
+        The folded pattern before and after it was made exact; the last state tried if none is sound.
+    """
+    for state in FOLD_STATES:
+        start = folded(flat, motion, state)
+        result = snapped(start)
+        points = result.design.vertices_coords
+        if not result.faults and not len(crossing_facets(points, flat.pattern.faces_vertices)):
+            break
+    return start, result
+
+
+def check_all_foldlines(pattern: Pattern) -> None:
+    """Refuse types that a crease pattern laid out in one layer cannot have.
+
+    Raises:
+        InputError: some interior edge is no FL.
+    """
+    other = pattern.interior_edges[pattern.edges_type[pattern.interior_edges] != FL]
+    if len(other):
+        a, b = pattern.edges_vertices[other[0]].tolist()
+        raise InputError(f"edge {a}-{b} is CFL, but in a flat crease pattern laid out in one layer all lines are FL",
+                         hint="Leave the types out, or give a semi-folded state.")  # fmt: skip
+
+
+def laid_out(design: Design, over: Design) -> Design:
+    """The developed state of a design, moved within the plane as near to a crease pattern as can be."""
+    flat = folding.flat_state(design, 0.0)
+    return design.moved_to(laid_upon(flat, over.vertices_coords))
+
+
+def angle_range(design: Design) -> tuple[float, float]:
+    """Least and largest fold angle in degrees."""
+    folds = np.abs(geometry.fold_angles(design.pattern, design.vertices_coords)[design.pattern.interior_edges])
+    return float(np.degrees(folds.min())), float(np.degrees(folds.max()))
