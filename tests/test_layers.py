@@ -56,6 +56,10 @@ ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "refine", "verdict", "
 ARROWS["coarse"] = {"pattern", "spec"}
 ARROWS["rounds"] = set(ARROWS) - {"certify"}
 ARROWS["solve"] = set(ARROWS)
+ARROWS["repair"] = {
+    *("errors", "fold_format", "fold_file", "pattern", "geometry", "folding", "crossing", "certify"),
+    *("model", "constraints", "assembly", "refine"),
+}
 ARROWS["context"] = {"errors", "files", "words", "pattern"}
 
 # Leaves import what they like, and nothing above imports them.

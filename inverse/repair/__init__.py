@@ -224,4 +224,6 @@ def _status(result: Snapped, certificate: Certificate) -> str:
     failed = [*result.faults, *(check.sentence for check in certificate.checks.values() if not check.passed)]
     if not failed:
         return "exact and certified"
+    if certificate.n_holes:
+        failed.append("a repair imposes the equations of vertices and facets only, not closure around holes")
     return "; ".join(failed)

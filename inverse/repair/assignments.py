@@ -105,15 +105,16 @@ def _ways(design: Design, given: IntArray, file_vertices: IntArray) -> list[list
         if (words != 0).all() and abs(words.sum()) != 2:
             mountains = int((words < 0).sum())
             raise InputError(
-                f"vertex {vertex} has {mountains} mountains and {4 - mountains} valleys: they must differ by two (Maekawa)"
+                f"vertex {vertex} has {mountains} mountains and {4 - mountains} valleys: they must differ by 2 "
+                "(Maekawa)"
             )
         ways.append([way for way in possible if all(w in (0, s) for w, s in zip(words, way.signs, strict=True))])
         if not possible:
             raise InputError(f"vertex {vertex} cannot fold: its creases cross at right angles")
         if not ways[-1]:
             raise InputError(
-                f"the mountains and valleys at vertex {vertex} cannot fold: the two creases of its smallest sector angle "
-                "must differ, or two of its creases would stay flat"
+                f"the mountains and valleys at vertex {vertex} cannot fold: the two creases of its smallest sector "
+                "angle must differ, or two of its creases would stay flat"
             )
     return ways
 
