@@ -13,7 +13,6 @@ from typing import Any
 from inverse import fold_file, pictures
 from inverse.certify import Certificate
 from inverse.context import Context, read_city_json, triangulated
-from inverse.crossing import triangles_of
 from inverse.errors import InputError
 from inverse.files import write_atomically
 from inverse.pattern import Design
@@ -22,7 +21,6 @@ from inverse.repair import Repair
 from inverse.solve import Result
 from inverse.spec import Loaded
 
-VISIBLE = 0.002  # of the diagonal: smaller moves are lost in the width of the lines
 PACKAGES = ("inverse", "casadi", "numpy", "scipy", "pyvista", "trimesh", "libigl")
 
 
@@ -89,7 +87,7 @@ def write(result: Result, loaded: Loaded, context: Context | None, folder: Path)
 
 
 def write_repair(result: Repair, folder: Path) -> list[str]:
-    """Write what a repair promises; the pattern as given is drawn over the design where the two differ visibly.
+    """Write everything that a repair promises.
 
     Args:
         result: of :func:`inverse.repair`.
@@ -99,10 +97,7 @@ def write_repair(result: Repair, folder: Path) -> list[str]:
         Sentences about what could not be written, if anything.
     """
     report = {"name": result.design.name, "status": result.status, **result.report}
-    original, comparable = result.original, result.report["state"] == "semi-folded"
-    visible = comparable and result.report["moved"]["max_relative"] > VISIBLE
-    surface = (original.vertices_coords, triangles_of(original.pattern.faces_vertices)[0]) if visible else None
-    return _write(folder, result.design, result.certificate, report, {}, target=surface, context=None)
+    return _write(folder, result.design, result.certificate, report, {}, target=None, context=None)
 
 
 def _write(

@@ -16,7 +16,7 @@ from inverse.repair.obj import read_obj
 
 FORMATS = (".fold", ".obj")
 ASSIGNMENTS = ("B", "M", "V", "F", "U", "C")
-LARGEST, SMALLEST = 1e100, 1e-100  # beyond these, squares of lengths leave the floating-point range
+LARGEST, SMALLEST = 1e50, 1e-50  # beyond these, products of lengths leave the floating-point range
 
 Pair = tuple[int, int]
 
@@ -89,8 +89,13 @@ def _from_fold(document: dict[str, Any], path: Path) -> ForeignMesh:
     return ForeignMesh(
         points, faces, dict(zip(pairs, _assignments(frame, len(pairs), where), strict=True)),
         {pair: word for pair, word in zip(pairs, types, strict=False) if word != "B"},
-        str(unit), str(title),
+        _printable(unit), _printable(title),
     )  # fmt: skip
+
+
+def _printable(value: object) -> str:
+    """A title that any file can hold: no control characters, no halves of surrogate pairs."""
+    return "".join(letter if letter.isprintable() else " " for letter in str(value))
 
 
 def _frame(document: dict[str, Any], where: str) -> dict[str, Any]:
