@@ -156,6 +156,16 @@ MOEBIUS = {
 }
 
 
+def at(*points: list[float]) -> dict[str, Any]:
+    """The two squares with more vertices, or, six of them, with others."""
+    return {**SQUARES, "vertices_coords": [*points] if len(points) == 6 else [*SQUARES["vertices_coords"], *points]}
+
+
+def middle(word: str) -> dict[str, Any]:
+    """The two squares with another word for the edge between them."""
+    return {**SQUARES, "edges_assignment": ["B"] * 5 + [word, "B"]}
+
+
 def edge(document: dict[str, Any], *more: list[int], word: str = "M") -> dict[str, Any]:
     return document | {
         "edges_vertices": [*document["edges_vertices"], *more],
@@ -185,20 +195,36 @@ REFUSED: dict[str, tuple[object, str]] = {
     "own parent": ({"file_frames": [{**SQUARES, "frame_inherit": True, "frame_parent": 1}]}, "inherits from frame 1"),
     "frames": ({"file_frames": 3}, "file_frames must be a list"),
     "crossing": (edge(SQUARES, [0, 4], [3, 1]), "edges 0-4 and 1-3 cross"),
-    "vertex on edge": (edge({**SQUARES, "vertices_coords": [*SQUARES["vertices_coords"], [1, 0.5]]}, [6, 5]), "1-4 and 5-6 cross or touch"),
-    "upon each other": ({**SQUARES, "edges_vertices": [[0, 1], [0, 2], [2, 5], [5, 3], [3, 0]], "edges_assignment": ["B"] * 5}, "lie upon each other"),
-    "dangling": (edge({**SQUARES, "vertices_coords": [*SQUARES["vertices_coords"], [0.5, 0.5]]}, [0, 6]), "same region"),
-    "pieces": (edge({**SQUARES, "vertices_coords": [*SQUARES["vertices_coords"], [5, 5], [6, 5], [5, 6]]}, [6, 7], [7, 8], [8, 6]), "2 separate pieces"),
-    "3D edges only": ({**SQUARES, "vertices_coords": [[0, 0, 0], [1, 0, 0], [2, 0, 1], [0, 1, 0], [1, 1, 0], [2, 1, 1]]}, "no faces_vertices"),
-    "cut": ({**SQUARES, "edges_assignment": ["B", "B", "B", "B", "B", "C", "B"]}, "edge 1-4 lies between two facets and is assigned C"),
+    "vertex on edge": (edge(at([1, 0.5]), [6, 5]), "1-4 and 5-6 cross or touch"),
+    "upon each other": (
+        {**SQUARES, "edges_vertices": [[0, 1], [0, 2], [2, 5], [5, 3], [3, 0]], "edges_assignment": ["B"] * 5},
+        "edges 0-. and 0-. lie upon each other",
+    ),
+    "dangling": (edge(at([0.5, 0.5]), [0, 6]), "edge .-. has the same region on both sides"),
+    "pieces": (edge(at([5, 5], [6, 5], [5, 6]), [6, 7], [7, 8], [8, 6]), "2 separate pieces"),
+    "3D edges only": (
+        at([0, 0, 0], [1, 0, 0], [2, 0, 1], [0, 1, 0], [1, 1, 0], [2, 1, 1]),
+        "no faces_vertices, and facets can be found from the edges of a flat crease pattern only",
+    ),
+    "cut": (middle("C"), "edge 1-4 lies between two facets and is assigned C"),
     "no side": ({**edge(SQUARES, [0, 4]), "faces_vertices": [[0, 1, 4, 3], [1, 2, 5, 4]]}, "edge 0-4 is no side"),
-    "flat only": ({**SQUARES, "edges_assignment": ["B", "B", "B", "B", "B", "F", "B"]}, "nothing folds"),
-    "folded": ({**SQUARES, "vertices_coords": [[0, 0], [1, 0], [0.2, 0], [0, 1], [1, 1], [0.2, 1]], "faces_vertices": [[0, 1, 4, 3], [1, 2, 5, 4]]}, "upside down"),
+    "flat only": (middle("F"), "nothing folds"),
+    "folded": (
+        at([0, 0], [1, 0], [0.2, 0], [0, 1], [1, 1], [0.2, 1]) | {"faces_vertices": [[0, 1, 4, 3], [1, 2, 5, 4]]},
+        "facet . lies upside down",
+    ),
     "two facets": ({"vertices_coords": CROSS, "faces_vertices": [[0, 1, 3], [2, 4, 5]]}, "not connected"),
-    "three facets": ({"vertices_coords": [*CROSS, [1, 0, 1]], "faces_vertices": [[0, 1, 4, 3], [1, 2, 5, 4], [1, 4, 6]]}, "3 facets"),
+    "three facets": (
+        {"vertices_coords": [*CROSS, [1, 0, 1]], "faces_vertices": [[0, 1, 4, 3], [1, 2, 5, 4], [1, 4, 6]]},
+        "edge 1-4 belongs to 3 facets",
+    ),
     "two sides": ({"vertices_coords": CROSS, "faces_vertices": [[0, 1]]}, "3 or more different vertices"),
     "Moebius": (MOEBIUS, "not orientable"),
-    "zero edge": ({"vertices_coords": [[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 1, 1], [2, 1, 0]], "faces_vertices": [[0, 1, 2, 3], [1, 2, 4]]}, "edge 1-2 has no length"),
+    "zero edge": (
+        {"vertices_coords": [[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 1, 1], [2, 1, 0]],
+         "faces_vertices": [[0, 1, 2, 3], [1, 2, 4]]},
+        "edge 1-2 has no length",
+    ),
 }  # fmt: skip
 
 
@@ -242,7 +268,7 @@ def test_what_is_no_file(tmp_path: Path) -> None:
     (tmp_path / "folder.obj").mkdir()
     with pytest.raises(InputError, match="cannot be read"):
         read_foreign(tmp_path / "folder.obj")
-    with pytest.raises(InputError, match="allowed are .fold, .obj"):
+    with pytest.raises(InputError, match=r"allowed are \.fold, \.obj"):
         read_foreign(tmp_path / "pattern.dxf")
 
 

@@ -15,7 +15,7 @@ from inverse.fold_format import frame_of
 from inverse.pattern import CFL, FL, Design, IntArray
 from inverse.repair import grid, line_types
 from inverse.repair.assignments import foldings
-from inverse.repair.crease_pattern import angle_range, check_all_foldlines, laid_out, snapped_at_best_state
+from inverse.repair.crease_pattern import angle_range, check_all_foldlines, folded, laid_out, snapped_at_best_state
 from inverse.repair.foreign import read_foreign
 from inverse.repair.measures import Residuals, moved, residuals
 from inverse.repair.network import Network, build_network
@@ -87,9 +87,9 @@ def _repaired(network: Network, is_design: bool, words: tuple[str | None, str | 
     report: dict[str, Any] = {"state": "crease pattern" if network.is_flat else "semi-folded"}
     if network.is_flat:
         motion = foldings(original, network.assignments, network.file_vertices)
-        start, result = snapped_at_best_state(original, motion)
         if not far:
-            _check_folded(start, network)
+            _check_folded(folded(original, motion), network)
+        result = snapped_at_best_state(original, motion)
         comparable = laid_out(result.design, original).vertices_coords
         low, high = angle_range(result.design)
         report |= {

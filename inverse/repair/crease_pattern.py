@@ -17,24 +17,23 @@ from inverse.repair.snap import Snapped, snapped
 FOLD_STATES = (1.0, 0.6, 0.35, 0.2, 0.1)
 
 
-def folded(flat: Design, motion: Folding, state: float) -> Design:
+def folded(flat: Design, motion: Folding, state: float = FOLD_STATES[0]) -> Design:
     """The crease pattern folded to one state, gaps left by its errors shared among the facets."""
     return flat.moved_to(folding.folded_by(flat, 2 * np.arctan(state * motion.tangents)))
 
 
-def snapped_at_best_state(flat: Design, motion: Folding) -> tuple[Design, Snapped]:
+def snapped_at_best_state(flat: Design, motion: Folding) -> Snapped:
     """Fold a crease pattern and make it exact, in the deepest state that is sound and has no crossing facets.
 
     Returns:
-        The folded pattern before and after it was made exact; the last state tried if none is sound.
+        The exact design; the last state tried if none is sound.
     """
     for state in FOLD_STATES:
-        start = folded(flat, motion, state)
-        result = snapped(start)
+        result = snapped(folded(flat, motion, state))
         points = result.design.vertices_coords
         if not result.faults and not len(crossing_facets(points, flat.pattern.faces_vertices)):
             break
-    return start, result
+    return result
 
 
 def check_all_foldlines(pattern: Pattern) -> None:

@@ -59,10 +59,17 @@ def snapped(design: Design) -> Snapped:
     problem.lower = problem.upper = np.zeros_like(wanted)
     residual = problem.violation(x, parameters)
     result = model.design(x)
-    return Snapped(result, residual, tuple(_faults(design, result, residual)))
+    return Snapped(result, residual, tuple(faults_of(design, result, residual)))
 
 
-def _faults(before: Design, after: Design, residual: float) -> list[str]:
+def faults_of(before: Design, after: Design, residual: float) -> list[str]:
+    """What Newton's method may have broken, as sentences: equations, lengths, signs of folds, convexity.
+
+    Args:
+        before: the mesh as given.
+        after: the moved mesh.
+        residual: largest dimensionless residual of the equations after the move.
+    """
     pattern = after.pattern
     faults = []
     if residual > SETTLED:
