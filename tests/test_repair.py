@@ -105,19 +105,26 @@ def test_of_two_readings_the_one_with_more_foldlines() -> None:
 
 
 def test_mountains_and_valleys_decide_at_right_angles() -> None:
-    """Sector angles of 90 degrees and nearly so fit both readings; the numbers of mountains do not."""
-    for make, miura_vertex in ((miura, True), (eggbox, False)):
-        design = make(2, 2, sector_angle=np.radians(89.8))
-        votes = line_types._votes(design)
-        assert abs(votes) < 2 * line_types.UNDECIDED
-        assert (votes > 0) == miura_vertex
+    """Near 90 degrees everywhere, noise may make either reading nearer; the number of mountains does not mind."""
+    for make, is_miura in ((miura, True), (eggbox, False)):
+        misled = 0
+        for seed in range(20):
+            design = perturbed(make(2, 2, sector_angle=np.radians(89.8)), 3e-3, seed)
+            theta = line_types.ring_angles(design.pattern, design.vertices_coords)[0]
+            as_miura = np.abs(theta[:2] + theta[2:] - np.pi).max() < np.abs(theta[:2] - theta[2:]).max()
+            misled += as_miura != is_miura
+            assert (line_types._votes(design)[0] > 0) == is_miura
+        assert misled > 1
 
 
-def test_a_lone_wrong_vote_is_outvoted() -> None:
-    """The types are those that the fewest vertices contradict, by weight."""
-    weights = np.ones((4, 4)) - np.eye(4)
-    weights[0, 1] = weights[1, 0] = -1.5
-    assert abs(line_types._two_colouring(weights).sum()) == 4
+def test_the_types_that_contradict_the_fewest_votes() -> None:
+    outvoted = np.ones((4, 4)) - np.eye(4)
+    outvoted[0, 1] = outvoted[1, 0] = -1.5
+    assert abs(line_types._two_colouring(outvoted).sum()) == 4
+    # Two groups that differ: no single change improves on all alike.
+    groups = np.kron(np.eye(2), np.full((3, 3), 10.0)) - np.kron(1 - np.eye(2), np.ones((3, 3)))
+    np.fill_diagonal(groups, 0)
+    assert line_types._two_colouring(groups).tolist() in ([1, 1, 1, -1, -1, -1], [-1, -1, -1, 1, 1, 1])
 
 
 def test_types_may_be_given(tmp_path: Path) -> None:
@@ -196,6 +203,30 @@ def test_a_crease_pattern_is_folded_and_made_exact(name: str, with_assignments: 
         assert [words[pair] for pair in wanted] == document["edges_assignment"]
 
 
+def test_a_large_crease_pattern_stays_near_the_drawing(tmp_path: Path) -> None:
+    """Facets are placed one after another, and yet errors do not add up from one side to the other."""
+    result = repair(write_fold(crease_pattern(generic(miura(12, 12)), NOISE), tmp_path))
+    assert_repaired(result)
+    assert result.report["moved"]["rms"] < 1.2 * np.sqrt(2) * NOISE
+
+
+def test_the_search_takes_back_what_does_not_fit(tmp_path: Path) -> None:
+    """Vertices numbered in any order, two creases assigned at random: some choices fail only vertices later."""
+    for seed in range(12):
+        design = relabelled(generic(miura(4, 4), 0.12, seed), seed)[0]
+        document = crease_pattern(design)
+        kept = np.random.default_rng(seed).choice(design.pattern.interior_edges, 2, replace=False)
+        words = document["edges_assignment"]
+        document["edges_assignment"] = [w if w == "B" or e in kept else "U" for e, w in enumerate(words)]
+        result = repair(write_fold(document, tmp_path))
+        assert_repaired(result)
+        assert result.report["moved"]["max"] < 1e-9
+        found = assignments(result.design)
+        index = {frozenset(pair): k for k, pair in enumerate(result.design.pattern.edges_vertices.tolist())}
+        for e in kept.tolist():
+            assert found[index[frozenset(document["edges_vertices"][e])]] == words[e]
+
+
 def miura_map(m: int, n: int, angle: float = np.radians(70)) -> dict[str, Any]:
     """The textbook map fold: parallelograms in n columns, mirrored from row to row, and its alternating creases."""
     points = [[i + (j % 2) / np.tan(angle), j] for i in range(m + 1) for j in range(n + 1)]
@@ -268,7 +299,7 @@ def test_a_crease_pattern_that_tears(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"tears when it is folded: the sector angles at vertex \d+ change by 0"):
         repair(write_fold(document, tmp_path))
     document["edges_assignment"] = [w if w == "B" else "U" for w in document["edges_assignment"]]
-    with pytest.raises(InputError, match="no choice of mountains and valleys folds this pattern"):
+    with pytest.raises(InputError, match="no mountains and valleys were found with which"):
         repair(write_fold(document, tmp_path))
 
 

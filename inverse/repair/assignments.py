@@ -21,7 +21,9 @@ from inverse.repair.foreign import Pair, pair_of
 from inverse.repair.line_types import lines_of_edges, ring_angles
 
 SMALLEST_RATIO = 0.01  # |t1 / t0| and its inverse: beyond it two of the four creases hardly fold
-AGREEMENT = 0.1  # of the logarithms of ratios, while the search compares ways to reach the same line
+# Of the logarithms of ratios, while the search compares ways to reach the same line: what fits a pattern exactly is
+# preferred to what fits it nearly.
+AGREEMENTS = (1e-6, 1e-3, 0.1)
 MOST_TRIALS = 200_000
 
 
@@ -72,7 +74,16 @@ def foldings(design: Design, assignments: dict[Pair, str], file_vertices: IntArr
     ways = _ways(design, given, file_vertices)
     line_of = lines_of_edges(pattern)
     order = _order(pattern, line_of)
-    signs, chosen = _searched(pattern, ways, given, line_of, order)
+    found = None
+    for agreement in AGREEMENTS:
+        found = found or _searched(pattern, ways, given, line_of, order, agreement)
+    if found is None:
+        raise InputError(
+            "no mountains and valleys were found with which this pattern folds as one rigid mechanism",
+            hint="A line of creases opens and closes with one ratio to every line it crosses. If the pattern does, "
+            "give edges_assignment (M and V) in the file.",
+        )
+    signs, chosen = found
     # A line without interior vertices on it, or what no vertex settles, folds as a valley.
     signs = np.where((signs == 0) & (line_of >= 0), 1, signs)
     log_size, disagreement = _sizes(pattern, line_of, chosen)
@@ -144,9 +155,9 @@ def _order(pattern: Pattern, line_of: IntArray) -> list[int]:
 
 
 def _searched(
-    pattern: Pattern, ways: list[list[Way]], given: IntArray, line_of: IntArray, order: list[int]
-) -> tuple[IntArray, list[Way]]:
-    """Depth-first: a way for every vertex that agrees in signs and in sizes with those before it.
+    pattern: Pattern, ways: list[list[Way]], given: IntArray, line_of: IntArray, order: list[int], agreement: float
+) -> tuple[IntArray, list[Way]] | None:
+    """Depth-first: a way for every vertex that agrees in signs and in sizes with those before it, or None.
 
     Where the file leaves no choice anywhere, sizes are not compared: a pattern drawn inexactly has them nearly right,
     and its errors are reported afterwards.
@@ -168,8 +179,8 @@ def _searched(
         if not compare:
             return True
         if a == b:
-            return abs(way.log_ratio) <= AGREEMENT
-        return a not in size or b not in size or abs(size[b] - size[a] - way.log_ratio) <= AGREEMENT
+            return abs(way.log_ratio) <= agreement
+        return a not in size or b not in size or abs(size[b] - size[a] - way.log_ratio) <= agreement
 
     while len(undo) < len(order):
         depth = len(undo)
@@ -197,23 +208,13 @@ def _searched(
             undo.append((edges, sized))
             continue
         if not undo or trials >= MOST_TRIALS:
-            raise _nothing_found(bool((given[line_of >= 0] == 0).any()), trials >= MOST_TRIALS)
+            return None
         untried.pop()
         edges, sized = undo.pop()
         sign[edges] = 0
         for line in sized:
             del size[line]
     return sign, [chosen[k] for k in range(len(ways))]
-
-
-def _nothing_found(searched: bool, given_up: bool) -> InputError:
-    if given_up:
-        return InputError(f"no mountains and valleys were found in {MOST_TRIALS} trials",
-                          hint="Give edges_assignment (M and V) in the file.")  # fmt: skip
-    choice = "no choice of mountains and valleys folds this pattern" if searched else (
-        "the mountains and valleys contradict each other along a line of creases")  # fmt: skip
-    return InputError(f"{choice} as one rigid mechanism",
-                      hint="A line of creases opens and closes with one ratio to every line it crosses.")  # fmt: skip
 
 
 def _sizes(pattern: Pattern, line_of: IntArray, chosen: list[Way]) -> tuple[FloatArray, FloatArray]:

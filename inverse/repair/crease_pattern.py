@@ -15,6 +15,7 @@ from inverse.repair.snap import Snapped, snapped
 # Factors of the half-angle tangents whose largest and least are as far above as below 90 degrees. Deep folds make a
 # well-shaped solid, but the sheet may run into itself: then less and less.
 FOLD_STATES = (1.0, 0.6, 0.35, 0.2, 0.1)
+RETURNS = 3  # times that a design is led back towards the pattern as drawn
 
 
 def folded(flat: Design, motion: Folding, state: float = FOLD_STATES[0]) -> Design:
@@ -33,7 +34,33 @@ def snapped_at_best_state(flat: Design, motion: Folding) -> Snapped:
         points = result.design.vertices_coords
         if not result.faults and not len(crossing_facets(points, flat.pattern.faces_vertices)):
             break
+    for _ in range(0 if result.faults else RETURNS):
+        nearer = snapped(led_back(result.design, flat))
+        if nearer.faults or len(crossing_facets(nearer.design.vertices_coords, flat.pattern.faces_vertices)):
+            break
+        result = nearer
     return result
+
+
+def led_back(design: Design, flat: Design) -> Design:
+    """A folded design with every facet in its place, but of the shape that it has in the crease pattern as drawn.
+
+    Facets that were placed one after another drift away from the drawing. Here each takes the drawn facet along by
+    the motion that folds its exact one, and the drift is gone to first order.
+    """
+    developed = laid_out(design, flat)
+    pattern = flat.pattern
+    facet, _, vertex, _ = pattern.corners.T
+    frames = []
+    for state in (developed, design):
+        a, b = (state.vertices_coords[[face[k] for face in pattern.faces_vertices]] for k in (0, 1))
+        along, normal = geometry.unit(b - a), geometry.facet_normals(pattern, state.vertices_coords)
+        frames.append((a, np.stack([along, np.cross(normal, along), normal], axis=1)))
+    (origin, axes), (place, turned) = ((start[facet], frame[facet]) for start, frame in frames)
+    local = np.einsum("cij,cj->ci", axes, flat.vertices_coords[vertex] - origin)
+    total = np.zeros_like(flat.vertices_coords)
+    np.add.at(total, vertex, place + np.einsum("ci,cij->cj", local, turned))
+    return design.moved_to(total / np.bincount(vertex)[:, None])
 
 
 def check_all_foldlines(pattern: Pattern) -> None:
