@@ -58,7 +58,7 @@ ARROWS["rounds"] = set(ARROWS) - {"certify"}
 ARROWS["solve"] = set(ARROWS)
 ARROWS["repair"] = {
     *("errors", "fold_format", "fold_file", "pattern", "geometry", "folding", "crossing", "certify"),
-    *("model", "constraints", "assembly", "refine"),
+    *("model", "constraints", "assembly", "projection"),
 }
 ARROWS["context"] = {"errors", "files", "words", "pattern"}
 

@@ -75,7 +75,11 @@ def _build(mesh: ForeignMesh) -> Network:
         if not np.linalg.norm(points[a] - points[b]) > 1e-12 * np.ptp(points[used], axis=0).max():
             raise InputError(f"edge {a}-{b} has no length", hint="Join vertices that lie upon each other.")
     renumbered = [[int(number[v]) for v in facet] for facet in facets]
-    pattern = Pattern.from_faces(renumbered, len(used), lambda edges: np.full(len(edges), FL, np.int8))
+    try:
+        pattern = Pattern.from_faces(renumbered, len(used), lambda edges: np.full(len(edges), FL, np.int8))
+    except InputError as error:
+        note = "" if len(used) == len(points) else " (numbers count vertices of facets only)"
+        raise InputError(error.message + note, hint=error.hint) from None
     if not len(pattern.interior_edges):
         raise InputError("the pattern has no interior edge, so that nothing folds")
 
