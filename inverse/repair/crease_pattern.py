@@ -15,7 +15,8 @@ from inverse.repair.snap import Snapped, snapped
 # Factors of the half-angle tangents whose largest and least are as far above as below 90 degrees. Deep folds make a
 # well-shaped solid, but the sheet may run into itself: then less and less.
 FOLD_STATES = (1.0, 0.6, 0.35, 0.2, 0.1)
-RETURNS = 3  # times that a design is led back towards the pattern as drawn
+RETURNS = 3  # times at most that a design is led back towards the pattern as drawn
+SETTLED_MOVE = 1e-6  # of the diagonal: less need not be led back once more
 
 
 def folded(flat: Design, motion: Folding, state: float = FOLD_STATES[0]) -> Design:
@@ -38,7 +39,10 @@ def snapped_at_best_state(flat: Design, motion: Folding) -> Snapped:
         nearer = snapped(led_back(result.design, flat))
         if nearer.faults or len(crossing_facets(nearer.design.vertices_coords, flat.pattern.faces_vertices)):
             break
+        step = geometry.diagonal(nearer.design.vertices_coords - result.design.vertices_coords)
         result = nearer
+        if step < SETTLED_MOVE * geometry.diagonal(flat.vertices_coords):
+            break
     return result
 
 
