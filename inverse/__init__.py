@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from inverse.pattern import Design as Design
     from inverse.pattern import Pattern as Pattern
     from inverse.refine import refine as refine
+    from inverse.repair import Repair as Repair
+    from inverse.repair import repair as repair
     from inverse.solve import Result as Result
     from inverse.solve import SolveError as SolveError
     from inverse.solve import solve as solve
@@ -39,6 +41,7 @@ _HOMES = {
     "Design": "pattern",
     "InputError": "errors",
     "Pattern": "pattern",
+    "Repair": "repair",
     "Result": "solve",
     "SolveError": "solve",
     "check": "certify",
@@ -47,6 +50,7 @@ _HOMES = {
     "load": "spec",
     "read": "fold_file",
     "refine": "refine",
+    "repair": "repair",
     "solve": "solve",
     "write": "fold_file",
 }

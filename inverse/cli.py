@@ -14,6 +14,7 @@ from inverse.errors import InputError
 
 if TYPE_CHECKING:
     from inverse.attempt import Progress
+    from inverse.repair import Repair
     from inverse.solve import Result
 
 CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 3
@@ -49,7 +50,7 @@ def solve(
     from inverse import solve as run
 
     loaded = spec.load(specification, overrides)
-    folder = report.output_folder(loaded, out)
+    folder = report.output_folder(loaded.specification.name, out)
     context = report.read_context(loaded)
     with _Watch() as watch:
         result = run(loaded, watch)
@@ -97,6 +98,47 @@ def check(design: Path, /, *, as_json: Annotated[bool, Parameter(name="--json", 
 
 
 @app.command
+def repair(
+    pattern: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    u_lines: str | None = None,
+    v_lines: str | None = None,
+    far: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Snap somebody's pattern to the exact set and say how far it moved.
+
+    Args:
+        pattern: FOLD or OBJ file of a semi-folded state, or of a flat crease pattern, which is folded first.
+        out: folder for the results, out/<file name> by default.
+        u_lines: for a grid, FL or CFL for all interior lines crossed by walking along u, or a word for each,
+            separated by commas. Types are read from the file or deduced if neither is given.
+        v_lines: the same along v.
+        far: take a pattern although it is more than 0.1 rad off somewhere.
+        as_json: print the result as JSON.
+    """
+    from inverse import repair as run
+    from inverse import report
+
+    folder = report.output_folder(pattern.stem, out)
+    result = run(pattern, u_lines=u_lines, v_lines=v_lines, far=far)
+    for note in report.write_repair(result, folder):
+        print(note, file=sys.stderr)
+    if as_json:
+        print(json.dumps(_repair_summary(result, folder), indent=1))
+    else:
+        done = result.certified and result.converged
+        print(result.status if done else f"NOT REPAIRED: {result.status}", file=sys.stderr)
+        for line in _repair_lines(result):
+            print(line)
+        for path in report.files(folder):
+            print(f"wrote     {path}")
+    return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
+
+
+@app.command
 def schema() -> int:
     """Print the JSON schema of specifications."""
     from inverse.spec import Specification
@@ -133,6 +175,38 @@ def _summary(result: Result, folder: Path) -> dict[str, object]:
         "out": str(folder),
         "fit": result.report["fit"],
         "coverage": result.report["coverage"],
+    }
+
+
+def _repair_lines(result: Repair) -> list[str]:
+    found = result.report
+    before, after, moved, types = (found[key] for key in ("before", "after", "moved", "line_types"))
+    unit = "" if result.design.unit == "unit" else f" {result.design.unit}"
+    lines = [f"{key:9} c_dev {errors['developability']:.2g} rad, c_ff {errors['flat_foldability']:.2g} rad, "
+             f"planarity {errors['planarity']:.2g} mean edges"
+             for key, errors in (("before", before), ("after", after))]  # fmt: skip
+    if found["state"] == "crease pattern":
+        low, high = found["folded_to"].values()
+        lines.append(f"folded    from {low:.0f} to {high:.0f} degrees, mountains and valleys "
+                     f"{found['mountains_and_valleys']}")  # fmt: skip
+    lines.append(f"moved     {moved['max']:.3g}{unit} at most, {moved['max_relative']:.2g} of the diagonal, at vertex "
+                 f"{moved['worst_vertex']}; rms {moved['rms']:.3g}{unit}")  # fmt: skip
+    numbers = [line["type"] for line in types["lines"]]
+    lines.append(f"lines     {numbers.count('FL')} FL, {numbers.count('CFL')} CFL: {types['found']}")
+    return lines
+
+
+def _repair_summary(result: Repair, folder: Path) -> dict[str, object]:
+    found = result.report
+    return {
+        "status": result.status,
+        "certified": result.certified,
+        "converged": result.converged,
+        "out": str(folder),
+        "before": found["before"],
+        "after": found["after"],
+        "moved": {key: value for key, value in found["moved"].items() if key != "vertices"},
+        "line_types": found["line_types"],
     }
 
 

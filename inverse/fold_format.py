@@ -46,6 +46,15 @@ def read_frame(path: Path) -> FoldFrame:
         InputError: missing or unreadable file, not JSON, a key missing or of the wrong shape; the message
             names the file and the key.
     """
+    return frame_of(read_document(path), str(path))
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """Read the JSON object of a FOLD file.
+
+    Raises:
+        InputError: missing or unreadable file, or not a JSON object; the message names the file.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -62,7 +71,7 @@ def read_frame(path: Path) -> FoldFrame:
         raise InputError("the JSON is nested too deeply", where=str(path)) from None
     if not isinstance(document, dict):
         raise InputError("a FOLD file is a JSON object", where=str(path))
-    return frame_of(document, str(path))
+    return document
 
 
 def frame_of(document: dict[str, Any], where: str = "design") -> FoldFrame:
@@ -75,9 +84,31 @@ def frame_of(document: dict[str, Any], where: str = "design") -> FoldFrame:
     Raises:
         InputError: a key missing or of the wrong shape.
     """
-    coords = _array(document, "vertices_coords", np.float64, 3, where)
-    edges = _array(document, "edges_vertices", np.int64, 2, where)
-    n_vertices, n_edges = len(coords), len(edges)
+    coords = array_of(document, "vertices_coords", np.float64, 3, where)
+    n_vertices = len(coords)
+    edges = edges_of(document, n_vertices, where)
+    n_edges = len(edges)
+    faces = facets_of(document, n_vertices, where)
+    angle = array_of(document, "edges_foldAngle", np.float64, 0, where)
+    if len(angle) != n_edges:
+        raise InputError(f"edges_foldAngle has {len(angle)} entries for {n_edges} edges", where=where)
+    return FoldFrame(
+        coords,
+        edges,
+        words_of(document, "edges_assignment", ASSIGNMENTS, n_edges, where),
+        angle,
+        words_of(document, "bdffpq:edges_type", EDGE_TYPES, n_edges, where),
+        faces,
+        document,
+    )
+
+
+def facets_of(document: dict[str, Any], n_vertices: int, where: str) -> tuple[tuple[int, ...], ...]:
+    """``faces_vertices``, every number below ``n_vertices``.
+
+    Raises:
+        InputError: no such key, no facets, or a number that is none.
+    """
     faces = _get(document, "faces_vertices", where)
     if not isinstance(faces, list) or not faces:
         raise InputError("faces_vertices must be a list of facets", where=where)
@@ -86,21 +117,20 @@ def frame_of(document: dict[str, Any], where: str = "design") -> FoldFrame:
             raise InputError(
                 f"faces_vertices[{f}] is {face!r}: vertex numbers below {n_vertices} are needed", where=where
             )
+    return tuple(tuple(face) for face in faces)
+
+
+def edges_of(document: dict[str, Any], n_vertices: int, where: str) -> NDArray[np.int64]:
+    """``edges_vertices``, (E, 2) int64, every number below ``n_vertices``.
+
+    Raises:
+        InputError: no such key, rows of another form, or a number that is none.
+    """
+    edges: NDArray[np.int64] = array_of(document, "edges_vertices", np.int64, 2, where)
     bad = (edges < 0) | (edges >= n_vertices)
     if bad.any():
         raise InputError(f"edges_vertices[{np.argmax(bad.any(axis=1))}] names a vertex that is not there", where=where)
-    angle = _array(document, "edges_foldAngle", np.float64, 0, where)
-    if len(angle) != n_edges:
-        raise InputError(f"edges_foldAngle has {len(angle)} entries for {n_edges} edges", where=where)
-    return FoldFrame(
-        coords,
-        edges,
-        _words(document, "edges_assignment", ASSIGNMENTS, n_edges, where),
-        angle,
-        _words(document, "bdffpq:edges_type", EDGE_TYPES, n_edges, where),
-        tuple(tuple(face) for face in faces),
-        document,
-    )
+    return edges
 
 
 def _get(document: dict[str, Any], key: str, where: str) -> Any:
@@ -113,8 +143,12 @@ def _is_index(value: object, count: int) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
 
 
-def _array(document: dict[str, Any], key: str, dtype: type, width: int, where: str) -> NDArray[Any]:
-    """A list of numbers (width 0) or of rows of ``width`` numbers, all finite."""
+def array_of(document: dict[str, Any], key: str, dtype: type, width: int, where: str) -> NDArray[Any]:
+    """A list of numbers (width 0) or of rows of ``width`` numbers.
+
+    Raises:
+        InputError: no such key, another form, or a number that is not finite.
+    """
     value = _get(document, key, where)
     rows: list[Any] = value if isinstance(value, list) else [None]
     flat = rows if width == 0 else [x for row in rows for x in (row if isinstance(row, list) else [None])]
@@ -132,7 +166,12 @@ def _array(document: dict[str, Any], key: str, dtype: type, width: int, where: s
     return array
 
 
-def _words(document: dict[str, Any], key: str, allowed: tuple[str, ...], count: int, where: str) -> tuple[str, ...]:
+def words_of(document: dict[str, Any], key: str, allowed: tuple[str, ...], count: int, where: str) -> tuple[str, ...]:
+    """One of the allowed words for each of ``count`` edges.
+
+    Raises:
+        InputError: no such key, another number of words, or a word that is not allowed.
+    """
     value = _get(document, key, where)
     if not isinstance(value, list) or len(value) != count:
         raise InputError(f"{key} must be a list with one word for each of the {count} edges", where=where)

@@ -70,15 +70,8 @@ def fold(design: Design, t: FloatArray | None = None) -> Motion:
     angles = fold_angles_at(design, t)
     turned = angles - geometry.fold_angles(pattern, points)
     hinges = _hinge_rotations(design, turned)
-
-    n_states, n_faces = len(t), len(pattern.faces_vertices)
-    rotation = np.empty((n_states, n_faces, 3, 3))
-    shift = np.zeros((n_states, n_faces, 3))
-    rotation[:, 0] = np.eye(3)
-    for faces, parents, edges in _levels(pattern.facet_tree):
-        turn, offset = hinges.across(edges, parents)
-        rotation[:, faces] = rotation[:, parents] @ turn
-        shift[:, faces] = _apply(rotation[:, parents], offset) + shift[:, parents]
+    rotation, shift = _facet_motions(design, hinges)
+    n_states = len(t)
 
     coords = np.empty((n_states, pattern.n_vertices, 3))
     owner = np.empty(pattern.n_vertices, np.int64)
@@ -100,6 +93,37 @@ def fold(design: Design, t: FloatArray | None = None) -> Motion:
             expected = _apply(expected_rotation, probe) + expected_shift
             gap = np.maximum(gap, np.linalg.norm(placed - expected, axis=2).max(axis=1))
     return Motion(t, angles, coords, gap)
+
+
+def folded_by(design: Design, turned: FloatArray) -> FloatArray:
+    """Vertices (V, 3) after every edge has been folded further by its own angle, facet 0 at rest.
+
+    Where the angles are not those of a motion, facets disagree on their common vertices: each takes the mean of the
+    places that its facets give it.
+
+    Args:
+        design: any state of a mesh.
+        turned: (E,) radians, valley positive.
+    """
+    rotation, shift = _facet_motions(design, _hinge_rotations(design, turned[None]))
+    facet, _, vertex, _ = design.pattern.corners.T
+    places = _apply(rotation[0, facet], design.vertices_coords[vertex]) + shift[0, facet]
+    total = np.zeros_like(design.vertices_coords)
+    np.add.at(total, vertex, places)
+    return np.asarray(total / np.bincount(vertex)[:, None])
+
+
+def _facet_motions(design: Design, hinges: _Hinges) -> tuple[FloatArray, FloatArray]:
+    """Rotation (S, F, 3, 3) and shift (S, F, 3) of every facet, along the spanning tree from facet 0."""
+    n_states, n_faces = len(hinges.rotation), len(design.pattern.faces_vertices)
+    rotation = np.empty((n_states, n_faces, 3, 3))
+    shift = np.zeros((n_states, n_faces, 3))
+    rotation[:, 0] = np.eye(3)
+    for faces, parents, edges in _levels(design.pattern.facet_tree):
+        turn, offset = hinges.across(edges, parents)
+        rotation[:, faces] = rotation[:, parents] @ turn
+        shift[:, faces] = _apply(rotation[:, parents], offset) + shift[:, parents]
+    return rotation, shift
 
 
 def flat_state(design: Design, t: float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What a solve leaves behind: design, certificate, report and pictures, each file whole or not at all."""
+"""What a solve or a repair leaves behind: design, certificate, report, pictures, each file whole or not at all."""
 
 from __future__ import annotations
 
@@ -11,9 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from inverse import fold_file, pictures
+from inverse.certify import Certificate
 from inverse.context import Context, read_city_json, triangulated
 from inverse.errors import InputError
 from inverse.files import write_atomically
+from inverse.pattern import Design
+from inverse.pictures.design_state import Surface
+from inverse.repair import Repair
 from inverse.solve import Result
 from inverse.spec import Loaded
 
@@ -26,13 +30,13 @@ def files(folder: Path) -> list[Path]:
     return [folder / name for name in names if (folder / name).exists()]
 
 
-def output_folder(loaded: Loaded, given: Path | None) -> Path:
+def output_folder(name: str, given: Path | None) -> Path:
     """The folder to write to, ``out/<name>`` if none is given; it is made when something is written.
 
     Raises:
         InputError: the folder cannot be made or written to.
     """
-    folder = given or Path("out") / loaded.specification.name
+    folder = given or Path("out") / name
     existing = folder.absolute()
     while not existing.exists() and existing != existing.parent:
         existing = existing.parent
@@ -70,22 +74,52 @@ def write(result: Result, loaded: Loaded, context: Context | None, folder: Path)
     Returns:
         Sentences about what could not be written, if anything.
     """
+    report = {"name": loaded.specification.name, "status": result.status, **result.report}
+    return _write(
+        folder,
+        result.design,
+        result.certificate,
+        report,
+        {"specification": loaded.specification.model_dump(mode="json")},
+        target=result.formulation.goal.target.triangles(),
+        context=triangulated(context)[:2] if context else None,
+    )
+
+
+def write_repair(result: Repair, folder: Path) -> list[str]:
+    """Write everything that a repair promises.
+
+    Args:
+        result: of :func:`inverse.repair`.
+        folder: where; made if missing.
+
+    Returns:
+        Sentences about what could not be written, if anything.
+    """
+    report = {"name": result.design.name, "status": result.status, **result.report}
+    return _write(folder, result.design, result.certificate, report, {}, target=None, context=None)
+
+
+def _write(
+    folder: Path,
+    design: Design,
+    certificate: Certificate,
+    report: dict[str, Any],
+    task: dict[str, Any],
+    *,
+    target: Surface | None,
+    context: Surface | None,
+) -> list[str]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        fold_file.write(result.design, folder / "design.fold")
-        _write_json(folder / "certificate.json", result.certificate.document())
+        fold_file.write(design, folder / "design.fold")
+        _write_json(folder / "certificate.json", certificate.document())
         began = time.perf_counter()
-        notes = _write_pictures(result, context, folder)
-        report = {
-            "name": loaded.specification.name,
-            "status": result.status,
-            **result.report,
-            "versions": {name: version(name) for name in PACKAGES} | {"python": platform.python_version()},
-            "specification": loaded.specification.model_dump(mode="json"),
-            "notes": notes,
-        }
-        report["seconds"] = {**report["seconds"], "pictures": time.perf_counter() - began}
-        _write_json(folder / "report.json", report)
+        notes = _write_pictures(design, target, context, folder)
+        spent = {"pictures": time.perf_counter() - began}
+        versions = {name: version(name) for name in PACKAGES} | {"python": platform.python_version()}
+        seconds = {"seconds": {**report.get("seconds", {}), **spent}}
+        _write_json(folder / "report.json", report | {"versions": versions} | task | {"notes": notes} | seconds)
     except OSError as error:
         raise InputError(
             f"the results cannot be written: {error}", where=str(folder), hint="Choose another -o."
@@ -93,18 +127,15 @@ def write(result: Result, loaded: Loaded, context: Context | None, folder: Path)
     return notes
 
 
-def _write_pictures(result: Result, context: Context | None, folder: Path) -> list[str]:
-    pictures.crease_pattern_picture(result.design, folder / "crease_pattern.svg")
+def _write_pictures(design: Design, target: Surface | None, context: Surface | None, folder: Path) -> list[str]:
+    pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
     missing = pictures.can_render()
     if missing is not None:
         for name in ("design.png", "states.png"):
             (folder / name).unlink(missing_ok=True)  # a picture of an earlier design would mislead
         return [missing]
-    target = result.formulation.goal.target.triangles()
-    pictures.design_picture(
-        result.design, folder / "design.png", target=target, context=triangulated(context) if context else None
-    )
-    pictures.states_picture(result.design, folder / "states.png")
+    pictures.design_picture(design, folder / "design.png", target=target, context=context)
+    pictures.states_picture(design, folder / "states.png")
     return []
 
 

@@ -59,6 +59,10 @@ ARROWS["rounds"] = set(ARROWS) - {"certify"}
 ARROWS["statuses"] = set()
 ARROWS["policy"] = set(ARROWS)
 ARROWS["solve"] = set(ARROWS)
+ARROWS["repair"] = {
+    *("errors", "fold_format", "fold_file", "pattern", "geometry", "folding", "crossing", "certify"),
+    *("model", "constraints", "assembly", "projection"),
+}
 ARROWS["context"] = {"errors", "files", "words", "pattern"}
 
 # Leaves import what they like, and nothing above imports them.

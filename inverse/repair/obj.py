@@ -1,0 +1,75 @@
+"""Vertices and polygons of Wavefront OBJ files, faults with their line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from inverse.errors import InputError
+from inverse.pattern import FloatArray
+
+
+def read_obj(path: Path) -> tuple[FloatArray, tuple[tuple[int, ...], ...]]:
+    """Read an OBJ file; groups, normals, texture coordinates, lines and materials are passed over.
+
+    Args:
+        path: the file.
+
+    Returns:
+        Vertices (V, 3) float64 and the vertices of each facet, numbered from 0.
+
+    Raises:
+        InputError: missing or unreadable file, a line that is no vertex or facet, no facets.
+    """
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except FileNotFoundError:
+        raise InputError("there is no such file", where=str(path)) from None
+    except OSError as error:
+        raise InputError(f"the file cannot be read: {error}", where=str(path)) from None
+    vertices: list[list[float]] = []
+    facets: list[tuple[int, ...]] = []
+    lines: list[int] = []
+    for number, line in enumerate(text.split("\n"), 1):
+        words = line.split("#")[0].split()
+        where = f"{path}:{number}"
+        if words[:1] == ["v"]:
+            vertices.append(_vertex(words[1:], line, where))
+        elif words[:1] == ["f"]:
+            facets.append(_facet(words[1:], len(vertices), line, where))
+            lines.append(number)
+    if not facets:
+        raise InputError("the file has no facets (lines `f ...`)", where=str(path))
+    for facet, number in zip(facets, lines, strict=True):
+        for v in facet:
+            if v >= len(vertices):
+                raise InputError(f"the facet names vertex {v + 1}, but the file has {len(vertices)}, numbered from 1",
+                                 where=f"{path}:{number}")  # fmt: skip
+    return np.array(vertices, np.float64), tuple(facets)
+
+
+def _vertex(words: list[str], line: str, where: str) -> list[float]:
+    try:
+        point = [float(word) for word in words[:3]]
+    except ValueError:
+        point = []
+    if len(point) != 3 or not np.isfinite(point).all():
+        raise InputError(f"{line.strip()[:60]!r} is no vertex: three finite numbers are needed", where=where)
+    return point
+
+
+def _facet(words: list[str], n_vertices: int, line: str, where: str) -> tuple[int, ...]:
+    """Indices from 0; negative ones in the file count back from the last vertex so far."""
+    try:
+        given = [int(word.split("/")[0]) for word in words]
+    except ValueError:
+        given = []
+    if len(given) < 3:
+        raise InputError(f"{line.strip()[:60]!r} is no facet: three or more vertex numbers are needed", where=where)
+    facet = tuple(k - 1 if k > 0 else n_vertices + k for k in given)
+    if 0 in given or min(facet) < 0:
+        bad = next(k for k, v in zip(given, facet, strict=True) if k == 0 or v < 0)
+        raise InputError(f"the facet names vertex {bad}, but numbers start at 1 (or -1, counted back from the last)",
+                         where=where)  # fmt: skip
+    return facet
