@@ -85,7 +85,9 @@ class Elements:
 
     def mapped(self, function: casadi.Function, *arguments: casadi.MX) -> casadi.MX:
         """Nonzeros of a kernel function over all elements, element by element."""
-        out = function.map(self.count)(*arguments)
+        mapped = function.map(self.count)
+        # CasADi drops nonzeros of an output that it knows to be zero; their places are still counted on.
+        out = casadi.project(mapped(*arguments), mapped.sparsity_out(0))
         return casadi.vec(out.nz[:])  # nz of a row vector would be a row
 
     def matrix_places(self) -> tuple[IntArray, IntArray]:

@@ -1,0 +1,267 @@
+"""What is tried when the straight way fails, with failures injected; how every ending is told."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import casadi
+import numpy as np
+import pytest
+from designs import assert_close
+from test_solve import assert_good, dome, task
+
+import inverse
+from inverse import fold_file, objectives, statuses
+from inverse.assembly import Problem
+from inverse.attempt import Attempt
+from inverse.certify import check_frame
+from inverse.constraints import edge_length
+from inverse.fold_format import frame_of
+from inverse.ipopt import Solver
+from inverse.kernels import Elements, Kernel
+from inverse.model import DesignModel, Objective
+from inverse.pattern import FloatArray
+from inverse.target.parametric import BetweenTarget, HeightTarget
+
+
+def steps(result: inverse.Result) -> list[str]:
+    """The steps of the policy in their order."""
+    return list(dict.fromkeys(attempt["step"] for attempt in result.report["attempts"]))
+
+
+class Failing:
+    """IPOPT whose first runs do nothing, and say that they stopped short."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, runs: int, status: str = "Restoration_Failed") -> None:
+        self.left, self.status = runs, status
+        for name in ("approach", "run"):
+            monkeypatch.setattr(Solver, name, self.instead_of(getattr(Solver, name)))
+
+    def instead_of(self, method: Any) -> Any:
+        def run(solver: Solver, start: FloatArray, *arguments: Any, **options: Any) -> Attempt:
+            if self.left <= 0:
+                return method(solver, start, *arguments, **options)
+            self.left -= 1
+            return Attempt(start, np.zeros(solver._problem.n_rows), self.status, 0, 0.0, 0.0)
+
+        return run
+
+
+# ---- the table
+
+
+def test_every_ending_says_what_happened_and_what_to_do() -> None:
+    assert statuses.sentence(statuses.SOLVED, []) == "certified and converged"
+    for word, ending in statuses.ENDINGS.items():
+        if word != statuses.SOLVED:
+            text = statuses.sentence(word, ["one thing", "another"])
+            assert "one thing; another. " in text
+            assert text.endswith(".")
+            assert "{" not in text
+            assert len(ending.advice) > 20
+
+
+def test_every_ending_can_be_reached() -> None:
+    """Each word of the table stands in a test of this folder that reaches it."""
+    from pathlib import Path
+
+    text = "".join(path.read_text() for path in Path(__file__).parent.glob("test_*.py"))
+    lacking = [word for word in statuses.ENDINGS if not re.search(rf'ending.* == \(?"{word}"', text)]
+    assert not lacking
+
+
+def test_a_solved_task() -> None:
+    result = inverse.solve(task(), throw=True)
+    assert result.ending == "solved"
+    assert steps(result) == ["start"]
+    assert result.report["attempts"][-1]["outcome"] == "certified and converged"
+    assert result.report["reached"] is None
+
+
+def test_throwing_or_returning() -> None:
+    loaded = task(solver={"time_limit_s": 1e-9})
+    result = inverse.solve(loaded)
+    assert result.ending == "time_limit"
+    with pytest.raises(inverse.SolveError) as caught:
+        inverse.solve(loaded, throw=True)
+    assert str(caught.value) == result.status
+    assert caught.value.result.ending == "time_limit"
+
+
+# ---- fallbacks
+
+
+def test_a_first_run_that_fails_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    Failing(monkeypatch, 3)
+    result = inverse.solve(task())
+    assert_good(result)
+    assert steps(result) == ["start", "again from the best"]
+    ended = [attempt["ended"] for attempt in result.report["attempts"]]
+    assert ended[:3] == ["Restoration_Failed"] * 3
+    assert_close(result.design.vertices_coords, dome().design.vertices_coords, 1e-5)
+
+
+def test_a_path_of_flatter_targets_comes_to_the_same_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    Failing(monkeypatch, 6)
+    result = inverse.solve(task())
+    assert_good(result)
+    assert steps(result)[2:] == ["path, 0.25 of the target", "path, 0.75 of the target", "path, 1 of the target"]
+    assert result.report["reached"] == 1.0
+    assert_close(result.design.vertices_coords, dome().design.vertices_coords, 1e-5)
+
+
+def test_a_path_that_ends_early_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
+    failing = Failing(monkeypatch, 6)
+
+    def until(_: str, __: Any) -> None:
+        if failing.left <= 0:
+            failing.runs = getattr(failing, "runs", 0) + 1
+
+    made = []
+    run = Solver.run
+
+    def counted(solver: Solver, *arguments: Any, **options: Any) -> Attempt:
+        made.append(solver)
+        if len(made) > 6:
+            failing.left = 10**6  # after the first task on the path nothing works any more
+        return run(solver, *arguments, **options)
+
+    monkeypatch.setattr(Solver, "run", counted)
+    result = inverse.solve(task(solver={"max_iterations": 30}), until)
+    assert not result.converged
+    assert result.certified
+    assert 0 < result.report["reached"] < 1
+    assert f"a path from the seed came to {result.report['reached']:.3g} of the target's height" in result.status
+
+
+def test_where_nothing_works_the_seed_is_returned_and_not_called_converged(monkeypatch: pytest.MonkeyPatch) -> None:
+    Failing(monkeypatch, 10**6)
+    monkeypatch.setattr("inverse.policy.NLOPT_LARGEST", 0)
+    result = inverse.solve(task())
+    assert result.ending == "stalled"
+    assert result.certified
+    assert not result.converged
+    assert result.report["reached"] == 0
+    assert "not stationary" in result.status
+    assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
+
+
+def test_a_design_outside_its_bounds_is_brought_within_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no solver does anything, equation (9) at least meets the constraints."""
+    Failing(monkeypatch, 10**6)
+    monkeypatch.setattr("inverse.policy.NLOPT_LARGEST", 0)
+    low = float(dome().seed.vertices_coords[:, 2].min())
+    keep_out = [{"below": low + 0.01}]
+    result = inverse.solve(task(constraints={"keep_out": keep_out}))
+    assert result.report["attempts"][-1] == {
+        "step": "equation (9)", "method": "equation (9)", "ended": "within the constraints", "iterations": 0
+    }  # fmt: skip
+    assert result.certified
+    assert not result.converged
+    assert result.design.vertices_coords[:, 2].min() > low + 0.01 - 1e-9
+
+
+def test_what_the_certificate_refuses_is_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    document = fold_file.document(dome().design)
+    document["vertices_coords"][24][2] += 0.01
+    refused = check_frame(frame_of(document))
+    assert not refused.certified
+    monkeypatch.setattr("inverse.policy.check_frame", lambda _: refused)
+    result = inverse.solve(task(solver={"time_limit_s": 60}))
+    assert result.ending == "not_certified"
+    assert result.converged
+    assert not result.certified
+    assert "FAILED" in result.status
+
+
+# ---- targets on the way
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_flattened_targets(share: float) -> None:
+    height = HeightTarget("0.3 + x*y - 0.2*x^2", [[-1, 1], [-0.5, 0.5]])
+    arc = BetweenTarget([np.array([[0.0, 0, 0], [0, 2, 0]]), np.array([[1.0, 0, 0], [1, 2, 0]])], 0.5)
+    for target in (height, arc):
+        flat, frame = target.flattened(share), target.frame
+        points = target.samples()[0]
+        heights = (points - frame.origin) @ frame.axes[2]
+        lowered = points - (1 - share) * heights[:, None] * frame.axes[2]
+        assert flat.distances(lowered).max() < 2e-4
+        assert_close(np.sort(flat.frame.extent), np.sort(frame.extent), 1e-2 if share < 1 else 1e-9)
+    assert isinstance(height.flattened(share), HeightTarget)
+    assert height.flattened(0.0).triangles()[0][:, 2] == pytest.approx(height.frame.origin[2], abs=1e-12)
+
+
+# ---- terms that are not numbers
+
+
+@pytest.fixture
+def registered() -> Iterator[dict[str, objectives.Term]]:
+    before = dict(objectives.OBJECTIVES)
+    yield objectives.OBJECTIVES
+    objectives.OBJECTIVES.clear()
+    objectives.OBJECTIVES.update(before)
+
+
+@pytest.mark.usefixtures("registered")
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda points: casadi.sqrt(points[:, 2] - 100),  # no value
+        lambda points: casadi.sqrt(casadi.fmax(0, points[:, 2] - 100)),  # no derivative
+    ],
+)
+def test_a_term_that_is_not_a_number_is_named_at_once(function: Any) -> None:
+    objectives.register("mine", function)
+    result = inverse.solve(task(objectives={"mine": 1.0}))
+    assert result.ending == "not_a_number"
+    assert "mine at vertices 0, 1, 2, 3" in result.status
+    assert result.report["iterations"] == 0
+    assert not result.converged
+    assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
+
+
+@pytest.mark.usefixtures("registered")
+def test_no_number_beyond_a_wall_is_a_wall(registered: dict[str, objectives.Term]) -> None:
+    """A term may lack a value where no design needs to go: the solver steps back from there."""
+    highest = float(dome().design.vertices_coords[:, 2].max())
+    objectives.register("wall", lambda points: 1e-3 * casadi.log(highest + 0.005 - points[:, 2]))
+    result = inverse.solve(task(objectives={"wall": 1e-6}))
+    assert_good(result)
+
+
+def test_the_element_that_is_not_a_number_is_named() -> None:
+    model = DesignModel(inverse.seeds.grid((3, 4)))
+    kernel = Kernel("root", lambda q, p: casadi.sqrt(q[0] - p), 3, 1)
+    places = model.variables_of(np.arange(20)[:, None])
+    x = model.seed_points.ravel()
+    floor = np.full((20, 1), -100.0)
+    problem = Problem(60, [Objective(Elements("root", kernel, places, floor), 1.0)], [edge_length(model, (0.5, 2))])
+    assert problem.not_a_number(x, problem.parameters()) is None
+    floor[7] = 100.0
+    assert problem.not_a_number(x, problem.parameters()) == ("root", "vertex 7")
+    x[3 * 11] = np.nan
+    assert problem.not_a_number(x, problem.parameters()) == ("root", "vertex 7")
+    floor[7] = -100.0
+    assert problem.not_a_number(x, problem.parameters()) == ("root", "vertex 11")
+    bounds = Problem(60, [], [edge_length(model, (0.5, 2))])
+    name, element = bounds.not_a_number(x, bounds.parameters()) or ("", "")
+    assert name == "edge_length"
+    assert re.fullmatch(r"edge (\d+-11|11-\d+)", element)
+
+
+# ---- units
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e-3, 1e3, 0.3048])
+def test_the_unit_does_not_matter(factor: float) -> None:
+    one, other = (inverse.solve(task(target=dome_of_radius(radius))) for radius in (1.0, factor))
+    assert_good(other)
+    assert_close(other.design.vertices_coords / factor, one.design.vertices_coords, 1e-6)
+
+
+def dome_of_radius(radius: float) -> dict[str, Any]:
+    half = 0.6 * radius
+    return {"height": f"sqrt({radius * radius!r} - x^2 - y^2)", "domain": [[-half, half], [-half, half]]}
