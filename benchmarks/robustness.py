@@ -37,13 +37,18 @@ FAMILIES = ("Miura", "Miura", "eggbox", "eggbox across", "CFL Miura", "hybrid")
 
 
 def hybrid_word(random: np.random.Generator, lines: int) -> list[str]:
-    """FL with adjacent pairs of CFL at random places, at least one FL before, between and after them."""
-    word = ["FL"]
-    while len(word) < lines - 2:
-        word += ["CFL", "CFL", "FL"] if random.random() < 0.35 else ["FL"]
-    if "CFL" not in word and lines >= 4:
-        word[1:3] = ["CFL", "CFL"]
-    return [*word, *["FL"] * (lines - len(word))]
+    """FL with adjacent pairs of CFL at random places, such that a seed of that word does not double back."""
+    while True:
+        word = ["FL"]
+        while len(word) < lines - 2:
+            word += ["CFL", "CFL", "FL"] if random.random() < 0.35 else ["FL"]
+        word = [*word, *["FL"] * (lines - len(word))]
+        try:
+            inverse.seeds.grid((2, lines + 1), "FL", word)
+        except inverse.InputError:
+            continue
+        if "CFL" in word:
+            return word
 
 
 def problem(number: int, sizes: tuple[int, int]) -> tuple[str, dict[str, Any], tuple[Any, ...]]:

@@ -76,6 +76,9 @@ def refine(
     named, wished = _wished(move, n_vertices)
     pinned = _vertices(list(pins), "a pin", n_vertices)
     ends = _vertices([v for bar in bars for v in bar], "a bar", n_vertices).reshape(-1, 2)
+    for a, b in ends.tolist():
+        if a == b:
+            raise InputError(f"a bar joins vertex {a} with itself")
     if steps < 1:
         raise InputError(f"{steps} steps were given: at least 1 is needed")
     model = DesignModel(design)
@@ -92,6 +95,7 @@ def refine(
     done = 0
     if len(named) and not np.isin(named, pinned).all():
         x, done = _dragged(design.pattern, Projection(problem, parameters), x, goal, named, follow, steps)
+        x = polish(problem, x, parameters)
     left = np.zeros(n_vertices)
     left[named] = np.linalg.norm(x.reshape(-1, 3) - goal, axis=1)[named] * model.scale
     return Refined(model.design(x), left, problem.violation(x, parameters), done)

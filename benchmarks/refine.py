@@ -1,0 +1,120 @@
+"""Equation (9): seconds of a projected step with its Newton correction, and a corner dragged in 100 steps.
+
+python -m benchmarks.refine              prints the table and writes benchmarks/out/refine.json
+python -m benchmarks.refine --sizes 32   only these numbers of facets per side
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import inverse
+from inverse import constraints, fold_file, geometry
+from inverse.assembly import Problem
+from inverse.certify import check_frame
+from inverse.fold_format import frame_of
+from inverse.model import DesignModel
+from inverse.projection import Projection
+from inverse.refine import LIMITS
+
+SIZES = (16, 32, 64, 100)
+STEPS = 10
+SECONDS = {32: 0.120, 100: 1.5}  # wanted of a step
+
+
+def step(size: int) -> dict[str, Any]:
+    """Seconds of steps in which a corner of a Miura sheet moves by a hundredth of the diagonal, others following."""
+    design = inverse.seeds.grid((size, size))
+    began = time.perf_counter()
+    model = DesignModel(design)
+    problem = Problem(model.n_variables, [], constraints.hard_constraints(model, LIMITS))
+    parameters = problem.parameters()
+    projection = Projection(problem, parameters)
+    x = model.seed_points.ravel()
+    problem.rows_and_jacobian(x, parameters)
+    built = time.perf_counter() - began
+    points = model.seed_points
+    size_of_all = geometry.diagonal(points)
+    weights = np.exp(-((np.linalg.norm(points - points[0], axis=1) / (size_of_all / 4)) ** 2))
+    wish = (weights[:, None] * np.array([0.3, -0.5, 0.8]) * 0.01 * size_of_all).ravel()
+    seconds, residuals = [], []
+    equations = problem.lower == problem.upper
+    for _ in range(STEPS):
+        began = time.perf_counter()
+        moved = projection.moved(x, wish)
+        seconds.append(time.perf_counter() - began)
+        if moved is None:
+            raise RuntimeError("a step was too long")
+        x = moved
+        residuals.append(float(np.abs(problem.rows(x, parameters)[equations]).max()))
+    return {
+        "facets": size * size,
+        "build": built,
+        "seconds": float(np.median(seconds)),
+        "largest": max(seconds),
+        "residual": max(residuals),
+    }
+
+
+def drag(size: int, lines: tuple[str, str]) -> dict[str, Any]:
+    """A corner moved by 30 % of the diagonal in 100 steps."""
+    design = inverse.seeds.grid((size, size), *lines)
+    direction = np.array([0.3, -0.5, 0.8])
+    way = 0.3 * geometry.diagonal(design.vertices_coords) * direction / np.linalg.norm(direction)
+    began = time.perf_counter()
+    refined = inverse.refine(design, {0: way}, steps=100)
+    seconds = time.perf_counter() - began
+    lengths = geometry.edge_lengths(design.pattern, refined.design.vertices_coords)
+    ratio = lengths / geometry.edge_lengths(design.pattern, design.vertices_coords)
+    certificate = check_frame(frame_of(fold_file.document(refined.design)))
+    return {
+        "lines": lines,
+        "facets": size * size,
+        "certified": certificate.certified,
+        "remaining": float(refined.remaining[0]),
+        "residual": refined.residual,
+        "steps": refined.steps,
+        "seconds": seconds,
+        "edges": (float(ratio.min()), float(ratio.max())),
+    }
+
+
+def main() -> None:
+    """Print both tables."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--sizes", type=int, nargs="*", default=list(SIZES))
+    given = parser.parse_args()
+    print(f"{'facets':>7} {'build s':>8} {'step s':>8} {'largest':>8} {'residual':>9}")
+    steps = []
+    for size in given.sizes:
+        row = step(size)
+        steps.append(row)
+        met = "" if size not in SECONDS else "  ok" if row["largest"] <= SECONDS[size] else f"  over {SECONDS[size]} s"
+        print(
+            f"{row['facets']:>7} {row['build']:>8.2f} {row['seconds']:>8.3f} {row['largest']:>8.3f} "
+            f"{row['residual']:>9.0e}{met}",
+            flush=True,
+        )
+    print(f"\n{'drag':>16} {'cert':>5} {'steps':>6} {'rest':>8} {'residual':>9} {'edges':>12} {'s':>6}")
+    drags = [drag(16, lines) for lines in (("FL", "FL"), ("CFL", "FL"))]
+    for row in drags:
+        low, high = row["edges"]
+        print(
+            f"{'/'.join(row['lines']) + ' 16 x 16':>16} {'yes' if row['certified'] else 'NO':>5} {row['steps']:>6} "
+            f"{row['remaining']:>8.0e} {row['residual']:>9.0e} {f'{low:.2f} - {high:.2f}':>12} {row['seconds']:>6.1f}"
+        )
+    out = Path(__file__).parent / "out"
+    out.mkdir(exist_ok=True)
+    document = {"machine": platform.platform(), "python": platform.python_version(), "steps": steps, "drags": drags}
+    (out / "refine.json").write_text(json.dumps(document, indent=1))
+
+
+if __name__ == "__main__":
+    main()
