@@ -1,4 +1,4 @@
-"""The policy of solving: rounds of IPOPT, polish, and a verdict from our own unscaled residuals."""
+"""The policy of solving: rounds of a solver, polish, and a verdict from our own unscaled residuals."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ def _status(converged: bool, certificate: Certificate, interrupted: bool, failed
     if converged and certificate.certified:
         return "certified and converged"
     reasons = [*(check.sentence for check in certificate.checks.values() if not check.passed), *failed]
-    start = "interrupted, the best design so far was kept" if interrupted else f"IPOPT ended with {ended}"
+    start = "interrupted, the best design so far was kept" if interrupted else f"the solver ended with {ended}"
     advice = (
         "Let it run on, or raise solver.time_limit_s." if interrupted
         else "Loosen the bounds or anchors, turn the pattern (pattern.turn), or take more facets."

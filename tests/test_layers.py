@@ -45,13 +45,15 @@ ARROWS: dict[str, set[str]] = {
     "assembly": {"errors", "pattern", "kernels", "model"},
     "attempt": {"pattern"},
     "ipopt": {"errors", "pattern", "assembly", "attempt"},
+    "chart": {"pattern", "assembly"},
+    "nlopt_solver": {"pattern", "assembly", "attempt", "chart"},
     "refine": {"errors", "pattern", "assembly"},
     "relaxation": {"pattern", "model", "assembly", "attempt", "ipopt"},
     "verdict": {"pattern", "geometry", "crossing", "model", "objectives", "assembly", "target"},
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
 # What a specification means, then how it is solved: these stand on everything above.
-ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "refine", "verdict", "certify"}
+ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "chart", "nlopt_solver", "refine", "verdict", "certify"}
 ARROWS["coarse"] = {"pattern", "spec"}
 ARROWS["rounds"] = set(ARROWS) - {"certify"}
 ARROWS["solve"] = set(ARROWS)
@@ -66,6 +68,7 @@ LIBRARIES = {
         *("kernels", "model", "target", "constraints", "objectives", "cylinder_loop"),
         *("assembly", "ipopt", "solve", "refine"),
     },
+    "nlopt": {"nlopt_solver"},
     "pyvista": {"pictures", "report", "target", "context"},
     "vtk": {"pictures", "report"},
     "vtkmodules": {"pictures", "report"},

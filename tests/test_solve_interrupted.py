@@ -100,7 +100,7 @@ def test_iterations_run_out() -> None:
     result = inverse.solve(task(solver={"max_iterations": 5}))
     assert not result.interrupted
     assert not result.converged
-    assert result.status.startswith("IPOPT ended with Maximum_Iterations_Exceeded: ")
+    assert result.status.startswith("the solver ended with Maximum_Iterations_Exceeded: ")
     assert result.report["iterations"] == 5
 
 
