@@ -3,6 +3,7 @@
     python -m benchmarks.fit                 prints the tables and writes benchmarks/out/fit.json
     python -m benchmarks.fit --size 8        smaller and faster
     python -m benchmarks.fit --only dome     only the targets whose name contains the word
+    python -m benchmarks.fit --method nlopt  with the other solver
 
 Every row is a specification solved as `inverse solve` does it, written to a file, read back from there and
 certified. A row whose limits fail is marked with what fails; the exit code is then 1.
@@ -111,6 +112,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--size", type=int, default=16)
     parser.add_argument("--only", default="")
+    parser.add_argument("--method", default="ipopt")
     parser.add_argument("--layers", type=int, nargs="*", default=[8, 16, 32])
     given = parser.parse_args()
     print(
@@ -118,20 +120,19 @@ def main() -> int:
         f"{'rad':>8} {'planar':>8} {'gap':>8} {'iter':>5} {'rnd':>3} {'s':>7}"
     )
     rows = []
-    n = given.size
+    n, solver = given.size, {"method": given.method}
     for family, (u, v, rms) in FAMILIES.items():
         for name, target in SURFACES.items():
             if given.only in name:
                 pattern = {"size": [n, n], "u_lines": u(n - 1), "v_lines": v(n - 1)}
-                row = measure({"name": f"{family} {name}", "pattern": pattern, "target": target})
+                row = measure({"name": f"{family} {name}", "pattern": pattern, "target": target, "solver": solver})
                 row["faults"] = faults(row, rms)
                 rows.append(row)
                 show(row)
     print("\nMiura on the dome, fit over a layer")
     for k in given.layers:
-        row = measure(
-            {"name": f"layer {k}", "pattern": {"size": [k, k]}, "target": SURFACES["dome"], "fit": {"points": "layer"}}
-        )
+        task = {"pattern": {"size": [k, k]}, "target": SURFACES["dome"], "fit": {"points": "layer"}, "solver": solver}
+        row = measure({"name": f"layer {k}"} | task)
         row["faults"] = faults(row, 0.00005, 0.0002)
         rows.append(row)
         show(row)

@@ -1,4 +1,4 @@
-"""Rounds of IPOPT; in between closest points are refreshed, polyline segments changed, crossing facets kept apart."""
+"""Rounds of a solver; between them closest points are refreshed, segments changed, crossing facets kept apart."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from inverse import constraints, geometry, objectives, verdict
+from inverse import constraints, geometry, nlopt_solver, objectives, verdict
 from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
 from inverse.attempt import GIVEN_UP, INVALID_NUMBER, Attempt, Progress
@@ -28,6 +28,7 @@ SETTLED = 0.1  # rounds end when the gradient at the new closest points is this 
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
 FAR = 1.0  # a run without bounds is given up when it leaves them by more than this
 APPROACHING, STATIC, PIVOTED = "linearized constraints", "static pivots", "pivoting"  # methods, for the report
+REDUCED = "SLSQP where all equations hold"
 CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
 
 Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
@@ -57,12 +58,12 @@ class Rounds:
 
     Attributes:
         formulation: what is solved.
-        options: tolerance of IPOPT, iterations of each round.
+        options: tolerance of the solver, iterations of each round.
         control: ends the rounds from outside.
         method: the solver, ipopt or nlopt.
         start: (n,) variables to start from instead of the seed, or None.
         multipliers: (R,) that belong to the start, where a solution is the start, or None.
-        attempts: how each run of IPOPT ended, for the report.
+        attempts: how each run of the solver ended, for the report.
         seconds_building: spent on the functions of problems.
     """
 
@@ -153,7 +154,7 @@ class Rounds:
 
     def _attempt(
         self,
-        solver: Solver,
+        solver: Solver | nlopt_solver.Solver,
         problem: Problem,
         x: FloatArray,
         parameters: FloatArray,
@@ -167,6 +168,8 @@ class Rounds:
         them, is done again with all.
         """
         left = self.options.max_iterations
+        if isinstance(solver, nlopt_solver.Solver):
+            return self._recorded(solver.run(x, parameters, multipliers, left), REDUCED, False)
         light = None if is_seed else self._light(problem, x, parameters)
         for method in (APPROACHING, STATIC) if multipliers is None else (STATIC,):
             near = None
@@ -217,7 +220,7 @@ class Rounds:
             {
                 "facets": self._facets,
                 "round": self._round,
-                "method": f"ipopt, {method}" + (", without idle bounds" if is_light else ""),
+                "method": f"{self.method}, {method}" + (", without idle bounds" if is_light else ""),
                 "ended": attempt.status,
                 "iterations": attempt.iterations,
                 "seconds": attempt.seconds,
@@ -241,11 +244,17 @@ class Rounds:
         faces = model.pattern.faces_vertices
         return _alike(model.pattern, crossing_facets(model.points(x), faces))
 
-    def _problem(self, sliding: list[PolylineAnchor], extra: list[Constraint]) -> tuple[Problem, Solver]:
+    def _problem(
+        self, sliding: list[PolylineAnchor], extra: list[Constraint]
+    ) -> tuple[Problem, Solver | nlopt_solver.Solver]:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
         problem = Problem(goal.model.n_variables, self.formulation.objectives, terms)
-        return problem, self._solver(problem, self._report)
+        if self.method == "ipopt":
+            return problem, self._solver(problem, self._report)
+        _, gradient = problem.objective_and_gradient(goal.model.seed_points.ravel(), problem.parameters())
+        steepness = float(np.abs(gradient).max())
+        return problem, nlopt_solver.Solver(problem, self.options.tolerance, steepness, self._report)
 
     def _solver(self, problem: Problem, report: Callable[[Progress], bool]) -> Solver:
         began = time.perf_counter()
@@ -254,7 +263,7 @@ class Rounds:
         return Solver(problem, self.options.tolerance, self.formulation.goal.model.refinement, report)
 
     def _report(self, progress: Progress) -> bool:
-        """Keep the best iterates; False stops IPOPT."""
+        """Keep the best iterates; False stops the solver."""
         self._feasible = _better(self._feasible, progress, verdict.BOUND)
         self._near = _better(self._near, progress, NEAR)
         return self.control.tell(f"{self._facets} facets, round {self._round}", progress)

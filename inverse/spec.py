@@ -158,8 +158,8 @@ class Constraints(Model):
 class Solver(Model):
     """How the problem is solved."""
 
-    method: Annotated[Literal["ipopt"], word("method", {"ipopt": ""})] = Field(
-        default="ipopt", description="the solver: ipopt"
+    method: Annotated[Literal["ipopt", "nlopt"], word("method", {"ipopt": "", "nlopt": ""})] = Field(
+        default="ipopt", description="the solver: ipopt, or nlopt for some hundred facets"
     )
     tolerance: Annotated[Number, Field(ge=1e-14, le=1e-3)] = Field(
         default=1e-9, description="the solver's tolerance, from 1e-14 to 1e-3"

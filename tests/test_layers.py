@@ -48,12 +48,14 @@ ARROWS: dict[str, set[str]] = {
     "ipopt": {"errors", "pattern", "assembly", "attempt"},
     "projection": {"pattern", "assembly"},
     "refine": {"errors", "pattern", "geometry", "kernels", "model", "constraints", "assembly", "projection"},
+    "chart": {"pattern", "assembly"},
+    "nlopt_solver": {"pattern", "assembly", "attempt", "chart"},
     "relaxation": {"pattern", "model", "assembly", "attempt", "ipopt"},
     "verdict": {"pattern", "geometry", "crossing", "model", "objectives", "assembly", "target"},
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
 # What a specification means, then how it is solved: these stand on everything above.
-ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "refine", "verdict", "certify"}
+ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "chart", "nlopt_solver", "refine", "verdict", "certify"}
 ARROWS["coarse"] = {"pattern", "spec"}
 ARROWS["rounds"] = set(ARROWS) - {"certify"}
 ARROWS["statuses"] = set()
@@ -74,6 +76,7 @@ LIBRARIES = {
         *("kernels", "model", "target", "constraints", "objectives", "cylinder_loop"),
         *("assembly", "ipopt", "solve", "refine"),
     },
+    "nlopt": {"nlopt_solver"},
     "pyvista": {"pictures", "report", "target", "context"},
     "vtk": {"pictures", "report"},
     "vtkmodules": {"pictures", "report"},

@@ -114,11 +114,7 @@ def test_a_path_of_flatter_targets_comes_to_the_same_design(monkeypatch: pytest.
 
 def test_a_path_that_ends_early_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
     failing = Failing(monkeypatch, 6)
-
-    def until(_: str, __: Any) -> None:
-        if failing.left <= 0:
-            failing.runs = getattr(failing, "runs", 0) + 1
-
+    monkeypatch.setattr("inverse.policy.NLOPT_LARGEST", 0)
     made = []
     run = Solver.run
 
@@ -129,11 +125,21 @@ def test_a_path_that_ends_early_says_how_far_it_came(monkeypatch: pytest.MonkeyP
         return run(solver, *arguments, **options)
 
     monkeypatch.setattr(Solver, "run", counted)
-    result = inverse.solve(task(solver={"max_iterations": 30}), until)
+    result = inverse.solve(task(solver={"max_iterations": 30}))
     assert not result.converged
     assert result.certified
     assert 0 < result.report["reached"] < 1
     assert f"a path from the seed came to {result.report['reached']:.3g} of the target's height" in result.status
+
+
+def test_without_ipopt_nlopt_finds_the_same_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    Failing(monkeypatch, 10**6)
+    result = inverse.solve(task())
+    assert_good(result)
+    assert steps(result)[-1] == "nlopt"
+    assert result.report["attempts"][-1]["method"].startswith("nlopt, ")
+    assert result.report["reached"] == 0
+    assert_close(result.design.vertices_coords, dome().design.vertices_coords, 1e-5)
 
 
 def test_where_nothing_works_the_seed_is_returned_and_not_called_converged(monkeypatch: pytest.MonkeyPatch) -> None:

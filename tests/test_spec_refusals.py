@@ -92,7 +92,7 @@ WORDS = [
     ("units: m", "units: |pt", f'"pt" is no unit: allowed are {UNITS}.\n'),
     ("points: facets", "points: |facet", '"facet" is no set of points'),
     ("side: u0", "side: |u9", '"u9" is no side: allowed are u0, u1, v0, v1, ends.'),
-    ("ipopt", "|iptop", '"iptop" is no method: allowed are ipopt. Did you mean ipopt?'),
+    ("ipopt", "|iptop", '"iptop" is no method: allowed are ipopt, nlopt. Did you mean ipopt?'),
 ]
 COUNTS = [
     (
