@@ -8,7 +8,7 @@ UV_VERSION := 0.13.9
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo setup test test-slow lint format bench lock clean
+.PHONY: help demo setup test test-slow lint format bench bench-solving lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
@@ -36,6 +36,12 @@ format: $(STAMP) ## let ruff rewrite what it can
 bench: $(STAMP) ## quality of the fits, then speed from 16 x 16 to 128 x 128 (a quarter of an hour)
 	$(BIN)/python -m benchmarks.fit
 	$(BIN)/python -m benchmarks.speed
+
+bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; strong bends; drags (half an hour)
+	$(BIN)/python -m benchmarks.robustness
+	$(BIN)/python -m benchmarks.robustness --method nlopt
+	$(BIN)/python -m benchmarks.strong
+	$(BIN)/python -m benchmarks.refine
 
 lock: ## write requirements.lock anew from pyproject.toml
 	$(PYTHON) -m venv .venv-lock

@@ -90,6 +90,7 @@ def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--sizes", type=int, nargs="*", default=list(SIZES))
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "out" / "refine.json")
     given = parser.parse_args()
     print(f"{'facets':>7} {'build s':>8} {'step s':>8} {'largest':>8} {'residual':>9}")
     steps = []
@@ -110,10 +111,9 @@ def main() -> None:
             f"{'/'.join(row['lines']) + ' 16 x 16':>16} {'yes' if row['certified'] else 'NO':>5} {row['steps']:>6} "
             f"{row['remaining']:>8.0e} {row['residual']:>9.0e} {f'{low:.2f} - {high:.2f}':>12} {row['seconds']:>6.1f}"
         )
-    out = Path(__file__).parent / "out"
-    out.mkdir(exist_ok=True)
+    given.out.parent.mkdir(exist_ok=True)
     document = {"machine": platform.platform(), "python": platform.python_version(), "steps": steps, "drags": drags}
-    (out / "refine.json").write_text(json.dumps(document, indent=1))
+    given.out.write_text(json.dumps(document, indent=1))
 
 
 if __name__ == "__main__":

@@ -156,6 +156,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=COUNT)
     parser.add_argument("--jobs", type=int, default=1, help="problems solved at once; seconds are fair with 1")
+    parser.add_argument("--out", type=Path)
     given = parser.parse_args()
     sizes = SIZES if given.method == "ipopt" else SIZES_WITHOUT_IPOPT
     tasks = [(k, sizes, given.method) for k in range(given.first, given.first + given.count)]
@@ -182,11 +183,11 @@ def main() -> int:
         f"seconds: median {np.median(seconds):.1f}, 95th percentile {np.percentile(seconds, 95):.1f}, "
         f"largest {seconds.max():.1f}"
     )
-    out = Path(__file__).parent / "out"
-    out.mkdir(exist_ok=True)
     document = {"machine": platform.platform(), "python": platform.python_version(), "rows": rows}
     name = "robustness.json" if given.method == "ipopt" else "robustness_nlopt.json"
-    (out / name).write_text(json.dumps(document, indent=1))
+    out = given.out or Path(__file__).parent / "out" / name
+    out.parent.mkdir(exist_ok=True)
+    out.write_text(json.dumps(document, indent=1))
     return 0 if refused == 0 else 1
 
 

@@ -70,7 +70,9 @@ def measure(name: str, target: dict[str, Any], lines: tuple[str, str], size: int
 
 def main() -> None:
     """Print the table."""
-    argparse.ArgumentParser(description=__doc__.split("\n")[0]).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "out" / "strong.json")
+    given = parser.parse_args()
     print(
         f"{'task':<24} {'cert':>4} {'conv':>4} {'fit rms':>9} {'of seed':>8} {'cover':>7} {'height':>7} {'path':>9} "
         f"{'iter':>5} {'s':>6}"
@@ -96,10 +98,9 @@ def main() -> None:
                     f"{row['seconds']:>6.1f}{'' if row['converged'] and row['certified'] else '  ' + row['status']}",
                     flush=True,
                 )
-    out = Path(__file__).parent / "out"
-    out.mkdir(exist_ok=True)
+    given.out.parent.mkdir(exist_ok=True)
     document = {"machine": platform.platform(), "python": platform.python_version(), "rows": rows}
-    (out / "strong.json").write_text(json.dumps(document, indent=1))
+    given.out.write_text(json.dumps(document, indent=1))
 
 
 if __name__ == "__main__":

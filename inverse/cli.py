@@ -169,6 +169,7 @@ def run(arguments: list[str]) -> int:
 
 def _summary(result: Result, folder: Path) -> dict[str, object]:
     return {
+        "ending": result.ending,
         "status": result.status,
         "certified": result.certified,
         "converged": result.converged,
@@ -199,6 +200,7 @@ def _repair_lines(result: Repair) -> list[str]:
 def _repair_summary(result: Repair, folder: Path) -> dict[str, object]:
     found = result.report
     return {
+        "ending": result.ending,
         "status": result.status,
         "certified": result.certified,
         "converged": result.converged,

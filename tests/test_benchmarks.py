@@ -30,3 +30,29 @@ def test_speed(tmp_path: Path) -> None:
         assert references["paper"]["rms"] <= 5e-4
         assert all(references[f"moved_{name}"]["certified"] for name in ("sideways", "taller", "bump"))
         assert references["floor_superlu"]["seconds"] >= references["floor_fastest"]["seconds"] > 0
+
+
+def run(*arguments: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", *arguments], cwd=ROOT, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["ipopt", "nlopt"])
+def test_robustness(method: str, tmp_path: Path) -> None:
+    out = tmp_path / "robustness.json"
+    told = run("benchmarks.robustness", "--method", method, "--first", "1", "--count", "3", "--out", str(out))
+    assert "3 of 3 succeed (100.0%); 0 claims refused" in told
+    assert [row["number"] for row in json.loads(out.read_text())["rows"]] == [1, 2, 3]
+
+
+@pytest.mark.slow
+def test_refine(tmp_path: Path) -> None:
+    out = tmp_path / "refine.json"
+    run("benchmarks.refine", "--sizes", "8", "--out", str(out))
+    document = json.loads(out.read_text())
+    assert document["steps"][0]["residual"] < 1e-12
+    assert all(row["certified"] and row["remaining"] < 1e-9 for row in document["drags"])
