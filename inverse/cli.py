@@ -200,7 +200,6 @@ def _repair_lines(result: Repair) -> list[str]:
 def _repair_summary(result: Repair, folder: Path) -> dict[str, object]:
     found = result.report
     return {
-        "ending": result.ending,
         "status": result.status,
         "certified": result.certified,
         "converged": result.converged,

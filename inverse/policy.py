@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -111,34 +110,30 @@ class Policy:
             began = time.perf_counter()
             variables = self._from_coarse(self.loaded, self.formulation.goal.model)
             self.seconds["start"] += time.perf_counter() - began
-        method = self.loaded.specification.solver.method
-        best = self._solved("start", self.formulation, variables, multipliers, method)
-        fallbacks: list[tuple[Callable[[Outcome], Outcome | None], bool]] = [
-            (self._again, True),
-            (self._along_a_path, True),
-            (self._by_nlopt, method == "ipopt"),
-            (self._restored, True),
-        ]
-        for step, applies in fallbacks:
+        best = self._solved("start", self.formulation, variables, multipliers)
+        for step in (self._again, self._along_a_path, self._by_nlopt, self._restored):
             if best.is_solved or self.control.stopped or self.not_a_number:
                 break
-            outcome = step(best) if applies else None
+            outcome = step(best)
             best = outcome.better(best) if outcome is not None else best
         return best
 
+    @property
+    def _method(self) -> str:
+        """The solver that was asked for."""
+        return self.loaded.specification.solver.method
+
     def _again(self, best: Outcome) -> Outcome:
         """From the best design, with all that was learnt about multipliers forgotten."""
-        method = self.loaded.specification.solver.method
-        return self._solved("again from the best", self.formulation, best.solution.variables, None, method)
+        return self._solved("again from the best", self.formulation, best.solution.variables)
 
     def _along_a_path(self, _: Outcome) -> Outcome | None:
         """From the seed by way of targets that are flatter, in steps as long as they succeed."""
-        method = self.loaded.specification.solver.method
         share, step, variables, outcome = 0.0, FIRST_SHARE, None, None
         while share < 1 and step >= SHORTEST_SHARE and not self.control.stopped and not self.not_a_number:
             ahead = min(share + step, 1.0)
             on_the_way = formulate(self.loaded, ahead) if ahead < 1 else self.formulation
-            found = self._solved(f"path, {ahead:.3g} of the target", on_the_way, variables, None, method)
+            found = self._solved(f"path, {ahead:.3g} of the target", on_the_way, variables)
             if found.is_solved:
                 share, step, variables, outcome = ahead, 2 * step, found.solution.variables, found
             else:
@@ -150,10 +145,10 @@ class Policy:
         return self._outcome(self._as_solution(outcome.solution.variables))
 
     def _by_nlopt(self, best: Outcome) -> Outcome | None:
-        if best.solution.variables.size > NLOPT_LARGEST:
+        if self._method == "nlopt" or best.solution.variables.size > NLOPT_LARGEST:
             return None
         start = best.solution.variables if best.is_feasible else None
-        return self._solved("nlopt", self.formulation, start, None, "nlopt")
+        return self._solved("nlopt", self.formulation, start, method="nlopt")
 
     def _restored(self, best: Outcome) -> Outcome | None:
         """Bring the best design within its constraints by equation (9), if it is not."""
@@ -171,11 +166,12 @@ class Policy:
         step: str,
         formulation: Formulation,
         variables: FloatArray | None,
-        multipliers: FloatArray | None,
-        method: str,
+        multipliers: FloatArray | None = None,
+        method: str | None = None,
     ) -> Outcome:
         """One solve from a start, or the seed."""
-        rounds = Rounds(formulation, self.loaded.specification.solver, self.control, method, variables, multipliers)
+        options = self.loaded.specification.solver
+        rounds = Rounds(formulation, options, self.control, method or self._method, variables, multipliers)
         outcome = self._outcome(self._run(step, rounds), formulation)
         self.attempts[-1]["outcome"] = "; ".join(reasons(outcome)) or "certified and converged"
         return outcome
@@ -194,7 +190,7 @@ class Policy:
 
     def _as_solution(self, variables: FloatArray) -> Solution:
         """Variables as a solution, without multipliers, of the task's own problem."""
-        rounds = Rounds(self.formulation, self.loaded.specification.solver, self.control, "ipopt", variables)
+        rounds = Rounds(self.formulation, self.loaded.specification.solver, self.control, self._method, variables)
         return rounds.unsolved()
 
     def _outcome(self, solution: Solution, formulation: Formulation | None = None) -> Outcome:
@@ -228,7 +224,7 @@ class Policy:
         formulation = formulate(task)
         own = formulation.goal.model
         start = self._from_coarse(task, own)
-        rounds = Rounds(formulation, task.specification.solver, self.control, task.specification.solver.method, start)
+        rounds = Rounds(formulation, task.specification.solver, self.control, self._method, start)
         solution = rounds.run()
         self.attempts += [{"step": "coarser grid"} | attempt for attempt in rounds.attempts]
         if self.control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
