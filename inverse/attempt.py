@@ -9,6 +9,7 @@ from inverse.pattern import FloatArray
 # IPOPT's words for runs that did not end at a solution; other solvers use the same.
 GIVEN_UP = "User_Requested_Stop"  # who is told an iterate says stop
 LIMIT = "Maximum_Iterations_Exceeded"
+INFEASIBLE = "Infeasible_Problem_Detected"
 INVALID_NUMBER = "Invalid_Number_Detected"
 
 

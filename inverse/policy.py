@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from inverse import coarse, fold_file, verdict
-from inverse.attempt import INVALID_NUMBER
+from inverse.attempt import INFEASIBLE, INVALID_NUMBER
 from inverse.certify import Certificate, check_frame
 from inverse.control import Control
 from inverse.fold_format import frame_of
@@ -145,7 +145,9 @@ class Policy:
         return self._outcome(self._as_solution(outcome.solution.variables))
 
     def _by_nlopt(self, best: Outcome) -> Outcome | None:
-        if self._method == "nlopt" or best.solution.variables.size > NLOPT_LARGEST:
+        """With the other solver; not where IPOPT found each time that the constraints contradict each other."""
+        contradictory = all(a["ended"] == INFEASIBLE for a in self.attempts if "outcome" in a)
+        if self._method == "nlopt" or contradictory or best.solution.variables.size > NLOPT_LARGEST:
             return None
         start = best.solution.variables if best.is_feasible else None
         return self._solved("nlopt", self.formulation, start, method="nlopt")
