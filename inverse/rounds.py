@@ -1,4 +1,4 @@
-"""Rounds of a solver; in between closest points are refreshed, polyline segments changed, crossing facets kept apart."""
+"""Rounds of a solver; between them closest points are refreshed, segments changed, crossing facets kept apart."""
 
 from __future__ import annotations
 
