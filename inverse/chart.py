@@ -131,7 +131,11 @@ class Chart:
             if not size <= 2 * last:  # not a number included
                 return None
             last = size
-            x = x - self._normals.T @ self._factorized(jacobian[self._equations]).solve(missing)
+            try:
+                factors = self._factorized(jacobian[self._equations])
+            except RuntimeError:  # exactly singular
+                return None
+            x = x - self._normals.T @ factors.solve(missing)
         return None
 
     def slopes(self, place: Place, vectors: sparse.csr_matrix, directions: FloatArray) -> FloatArray:

@@ -132,7 +132,7 @@ class _Search:
         # Exact penalties: of bounds, to compare points that violate them; of the residual, as nlopt minimizes it.
         self._penalty = max(2 * float(np.abs(multipliers[inequalities]).max(initial=0.0)), place.objective)
         gain = chart.slopes(place, sparse.csr_matrix(place.gradient), self._directions)[0, -1]
-        self._weight = OVERWEIGHT * (abs(float(gain)) + place.objective) if chart.residual.any() else 0.0
+        self._weight = OVERWEIGHT * (abs(float(gain)) + place.objective or 1.0) if chart.residual.any() else 0.0
         self._share = length / np.sqrt(self._weight) if self._weight else 1.0
         step = float(np.linalg.norm(chart.correction))
         self._least = 1.0 - min(1.0, reach / step) if step > 0.0 else 1.0
