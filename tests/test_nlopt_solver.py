@@ -209,4 +209,4 @@ def test_iterations_run_out() -> None:
     task = {"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME}
     result = inverse.solve(inverse.from_mapping(task | {"solver": {"method": "nlopt", "max_iterations": 4}}))
     assert not result.converged
-    assert result.status.startswith("the solver ended with Maximum_Iterations_Exceeded: ")
+    assert result.ending == "iteration_limit"
