@@ -13,10 +13,12 @@ from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
 from inverse.model import Constraint, DesignModel, Objective
 from inverse.objectives import Goal
+from inverse.packed import Packed
 from inverse.pattern import Design, FloatArray
 from inverse.spec import BetweenTarget as BetweenKeys
 from inverse.spec import FilePattern, Loaded
 from inverse.spec import HeightTarget as HeightKeys
+from inverse.spec_footprint import radians
 from inverse.target import Target
 
 T = TypeVar("T")
@@ -49,7 +51,7 @@ def formulate(loaded: Loaded) -> Formulation:
     target = build_target(loaded)
     seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target))
     model = DesignModel(seed)
-    goal = Goal(model, target, specification.fit.points)
+    goal = Goal(model, target, specification.fit.points, _packed(loaded, model))
     for name in specification.objectives:
         if name not in objectives.OBJECTIVES:
             known = ", ".join(sorted(objectives.OBJECTIVES))
@@ -65,7 +67,8 @@ def formulate(loaded: Loaded) -> Formulation:
     }
     fixed = constraints.hard_constraints(model, bounds)
     anchored, sliding = anchors.build(loaded, model)
-    return Formulation(goal, terms, [*fixed, *anchored, *_keep_outs(loaded, model)], sliding)
+    packed = [constraint for state in goal.packed for constraint in state.constraints()]
+    return Formulation(goal, terms, [*fixed, *anchored, *_keep_outs(loaded, model), *packed], sliding)
 
 
 def build_target(loaded: Loaded) -> Target:
@@ -123,6 +126,27 @@ def _keep_outs(loaded: Loaded, model: DesignModel) -> list[Constraint]:
             point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
         found.append(constraints.keep_out(model, f"keep_out_{k}", point, normal))
     return found
+
+
+def _packed(loaded: Loaded, model: DesignModel) -> tuple[Packed, ...]:
+    """The states that are measured by the objective or limited, one set of variables for each."""
+    specification = loaded.specification
+    measured, limited = specification.footprint, specification.constraints.footprint
+    states = []
+    if specification.objectives.get("footprint", 0.0) > 0:
+        states.append(measured.state)
+    if limited is not None and limited.state not in states:
+        states.append(limited.state)
+    found: list[Packed] = []
+    for state in states:
+        keys = limited if limited is not None and limited.state == state else None
+        limits = [np.inf if k is None else k for k in ((keys.length, keys.width, keys.height) if keys else [None] * 3)]
+        area = keys.area if keys and keys.area else np.inf
+        measure = measured.measure if specification.objectives.get("footprint", 0.0) > 0 and state == measured.state else None
+        first = model.n_variables + sum(p.n_variables for p in found)
+        d = 2 if isinstance(state, str) else 3
+        found.append(Packed(model, radians(state), measure, np.array(limits[:d]), area, first))
+    return tuple(found)
 
 
 def _radians(degrees: tuple[float, float]) -> tuple[float, float]:

@@ -113,7 +113,7 @@ class Rounds:
     def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Solution:
         """Rounds from a start, or the seed, until the closest points and the segments of polylines have settled."""
         goal, model = self.formulation.goal, self.formulation.goal.model
-        x = model.seed_points.ravel() if start is None else start
+        x = goal.start(model.seed.vertices_coords) if start is None else start
         sliding, seen = self.formulation.sliding, set()
         history: list[tuple[float, Solution]] = []
         multipliers, is_seed = None if start is None else self.multipliers, start is None
@@ -123,7 +123,7 @@ class Rounds:
             multipliers = None  # of a task with other constraints
         if start is not None:
             # A start may be less feasible than the seed; who stops early gets the better of both.
-            seed = model.seed_points.ravel()
+            seed = goal.start(model.seed.vertices_coords)
             value, _ = problem.objective_and_gradient(seed, problem.parameters())
             self._feasible = (verdict.BOUND, value, seed)
         while True:
@@ -148,7 +148,7 @@ class Rounds:
                 sliding, multipliers, history, aim, before = onward, None, [], points, None
                 problem, solver = self._problem(sliding, extra)
                 continue
-            steepness = verdict.stationarity(problem, x, multipliers, fresh, model)
+            steepness = verdict.stationarity(problem, x, multipliers, fresh, goal)
             if goal.is_exact or steepness < SETTLED * verdict.STATIONARITY:
                 return Solution(x, multipliers, problem, fresh)
             if goal.target.has_kinks and len(history) > 3 and _no_gain([rms for rms, _ in history]):
@@ -248,7 +248,7 @@ class Rounds:
     def _problem(self, sliding: list[PolylineAnchor], extra: list[Constraint]) -> tuple[Problem, Solver]:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
-        problem = Problem(goal.model.n_variables, self.formulation.objectives, terms)
+        problem = Problem(goal.n_variables, self.formulation.objectives, terms)
         return problem, self._solver(problem, self._report)
 
     def _solver(self, problem: Problem, report: Callable[[Progress], bool]) -> Solver:

@@ -19,7 +19,7 @@ from inverse.errors import InputError
 from inverse.fold_format import frame_of
 from inverse.formulate import Formulation, formulate
 from inverse.ipopt import NEAR
-from inverse.model import DesignModel
+from inverse.objectives import Goal
 from inverse.pattern import Design, FloatArray
 from inverse.refine import polish
 from inverse.rounds import Control, Rounds
@@ -78,9 +78,9 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None, 
     with _interruptible(control.stop):
         attempts: list[dict[str, Any]] = []
         if start is None:
-            variables, multipliers = _from_coarse(loaded, formulation.goal.model, control, attempts), None
+            variables, multipliers = _from_coarse(loaded, formulation.goal, control, attempts), None
         else:
-            variables, multipliers = _from_result(start, formulation.goal.model), start.multipliers
+            variables, multipliers = _from_result(start, formulation.goal), start.multipliers
         started = time.perf_counter()
         rounds = Rounds(formulation, loaded.specification.solver, control, variables, multipliers)
         solution = rounds.run()
@@ -101,13 +101,14 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None, 
         "certify": time.perf_counter() - polished,
     }
 
-    judgement = verdict.judge(problem, variables, solution.multipliers, parameters, goal.model)
+    judgement = verdict.judge(problem, variables, solution.multipliers, parameters, goal)
     converged = not judgement["failed"]
     report = {
         "converged": converged,
         "certified": certificate.certified,
         "fit": verdict.fit(goal, design),
         "coverage": verdict.coverage(goal, design),
+        "footprint": verdict.footprint(goal, variables),
         "objective": problem.objective_terms(variables, parameters),
         "verdict": judgement,
         "iterations": sum(attempt["iterations"] for attempt in attempts),
@@ -127,8 +128,9 @@ def solve(loaded: Loaded, watch: Callable[[str, Progress], None] | None = None, 
     )  # fmt: skip
 
 
-def _from_result(start: Result, model: DesignModel) -> FloatArray:
+def _from_result(start: Result, goal: Goal) -> FloatArray:
     """Variables of an earlier result, carried along with the seed where the target has moved."""
+    model = goal.model
     if start.design.pattern.faces_vertices != model.pattern.faces_vertices:
         raise InputError(
             f"the start has another pattern: {len(start.design.pattern.faces_vertices)} facets, "
@@ -136,11 +138,11 @@ def _from_result(start: Result, model: DesignModel) -> FloatArray:
             hint="Start from a result of the same pattern, or without one.",
         )
     moved = start.design.vertices_coords - start.seed.vertices_coords
-    return model.to_dimensionless(model.seed.vertices_coords + moved).ravel()
+    return goal.start(model.seed.vertices_coords + moved)
 
 
 def _from_coarse(
-    loaded: Loaded, model: DesignModel, control: Control, attempts: list[dict[str, Any]]
+    loaded: Loaded, goal: Goal, control: Control, attempts: list[dict[str, Any]]
 ) -> FloatArray | None:
     """Variables to start a fine grid from, taken from a coarser one; what is attempted there is added."""
     task = coarse.coarsened(loaded)
@@ -148,14 +150,14 @@ def _from_coarse(
         return None
     formulation = formulate(task)
     own = formulation.goal.model
-    start = _from_coarse(task, own, control, attempts)
+    start = _from_coarse(task, formulation.goal, control, attempts)
     rounds = Rounds(formulation, task.specification.solver, control, start)
     solution = rounds.run()
     attempts += rounds.attempts
     if control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
         return None  # the seed is better than what failed already
     points = own.points(solution.variables)
-    return model.to_dimensionless(coarse.spread(own.seed, points, model.seed)).ravel()
+    return goal.start(coarse.spread(own.seed, points, goal.model.seed))
 
 
 def _status(converged: bool, certificate: Certificate, interrupted: bool, failed: list[str], ended: str) -> str:
