@@ -42,6 +42,11 @@ class Problem:
         return len(self.lower)
 
     @property
+    def has_states(self) -> bool:
+        """Whether some variables occur in no objective: those of packed states."""
+        return len(np.unique(np.concatenate([o.elements.variables.ravel() for o in self.objectives]))) < self.n_variables
+
+    @property
     def n_objective_parameters(self) -> int:
         """Number of parameters that belong to the objectives; they come first."""
         return len(self.objectives) + sum(o.elements.parameters.size for o in self.objectives)

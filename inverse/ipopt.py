@@ -140,6 +140,8 @@ class Solver:
             "acceptable_iter": 0,
             "max_iter": np.iinfo(np.int32).max,  # the watch counts
         }
+        if problem.has_states:
+            self._options["perturb_always_cd"] = "no"
         self._watch = _Watch(problem, problem.parameters().size, report)
 
     def _solver(self, warm: bool, careful: bool) -> casadi.Function:

@@ -23,8 +23,9 @@ SIDES = ("length", "width", "height")
 class Packed:
     """Variables of one state: coordinates of its vertices, a turn of the box, its lower corner and its extents.
 
-    A flat state has two coordinates per vertex, any other one three. All are dimensionless like the design's. The
-    state lies as :func:`inverse.footprint.laid_out` lays it; the axes of its box are those around the seed's, turned.
+    A flat state has two coordinates per vertex, any other one three. Lengths are relative to the longest extent of the
+    seed's state: a small change of the design moves far vertices of the state a lot, and a solver that weighs all steps
+    alike is to take that for small. The state lies as :func:`inverse.footprint.laid_out` lays it; the axes of its box are those around the seed's, turned.
     Of the box there is what the measure and the limits need, since variables that nothing holds make steps singular.
 
     Attributes:
@@ -61,8 +62,13 @@ class Packed:
 
     @cached_property
     def seed_extents(self) -> FloatArray:
-        """(d,) dimensionless extents of the seed's state."""
+        """(d,) extents of the seed's state, in mean edge lengths."""
         return footprint.extents(self._laid_out(self.model.seed_points), self.seed_axes)
+
+    @property
+    def scale(self) -> float:
+        """Unit of the variables, in mean edge lengths."""
+        return float(self.seed_extents[0])
 
     @cached_property
     def sides(self) -> list[int]:
@@ -84,7 +90,7 @@ class Packed:
         Returns:
             (n_variables,); extents that have to be at their limits are so, even if the state is larger.
         """
-        state = self._laid_out(points)
+        state = self._laid_out(points) / self.scale
         along = state @ self.seed_axes[self.sides].T
         sizes = self._limits[self.sides] if self._at_limits else np.ptp(along, axis=0)
         return np.concatenate([state.ravel(), np.zeros(self._turn.size), along.min(axis=0), sizes])
@@ -100,8 +106,8 @@ class Packed:
         d, facet = self.dimension, self.model.pattern.faces_vertices[0]
         vertices, parameters = placements(self.model, self.t)
         laid = [
-            self._laid("first facet", root_kernel(d), np.array([facet[:3]]), np.empty((1, 0))),
-            self._laid("placement", placement_kernel(d), vertices, parameters),
+            self._laid("first facet", root_kernel(d, self.scale), np.array([facet[:3]]), np.empty((1, 0))),
+            self._laid("placement", placement_kernel(d, self.scale), vertices, parameters),
         ]
         return [*laid, self._box(), *self._bounds()]
 
@@ -114,7 +120,7 @@ class Packed:
             kernel = Kernel("extent", lambda q, p: q / p, m, m)
         else:
             kernel = Kernel("area", lambda q, p: casadi.sqrt(q[0] * q[1] / (p[0] * p[1])), m, m)
-        return [Elements("footprint", kernel, self._extents[None], self.seed_extents[None])]
+        return [Elements("footprint", kernel, self._extents[None], self.seed_extents[None] / self.scale)]
 
     @cached_property
     def _state(self) -> IntArray:
@@ -136,8 +142,8 @@ class Packed:
 
     @cached_property
     def _limits(self) -> FloatArray:
-        """(d,) dimensionless."""
-        return self.limits / self.model.scale
+        """(d,) in the unit of the variables."""
+        return self.limits / (self.model.scale * self.scale)
 
     @property
     def _at_limits(self) -> bool:
@@ -171,7 +177,7 @@ class Packed:
 
         def inside(q: casadi.SX, _: casadi.SX) -> casadi.SX:
             height = self._turned_axes(q[d : d + r]) @ q[:d] - q[d + r : d + r + m]
-            return casadi.vertcat(height, q[d + r + m :] - height)
+            return self.scale * casadi.vertcat(height, q[d + r + m :] - height)
 
         box = np.tile(np.concatenate([self._turn, self._corner, self._extents]), (n, 1))
         kernel = Kernel("box", inside, d + r + 2 * m)
@@ -184,15 +190,15 @@ class Packed:
         found = []
         limited = [k for k, side in enumerate(self.sides) if np.isfinite(self.limits[side])]
         if limited:
-            upper = self._limits[self.sides][limited][:, None]
+            upper = self.scale * self._limits[self.sides][limited][:, None]
             lower = upper if self._at_limits else np.full_like(upper, -np.inf)
-            kernel = Kernel("limit", lambda q, _: q, 1)
+            kernel = Kernel("limit", lambda q, _: self.scale * q, 1)
             places, labels = self._extents[limited][:, None], tuple(SIDES[self.sides[k]] for k in limited)
             elements = Elements(f"{self.name} limits", kernel, places, np.empty((len(limited), 0)))
             found.append(Constraint(elements, lower, upper, labels))
         if np.isfinite(self.area):
-            upper = np.array([[self.area / self.model.scale**2]])
-            kernel = Kernel("area_limit", lambda q, _: q[0] * q[1], 2)
+            upper = np.array([[self.area / (self.model.scale**2 * self.scale)]])
+            kernel = Kernel("area_limit", lambda q, _: self.scale * q[0] * q[1], 2)
             elements = Elements(f"{self.name} area", kernel, self._extents[None], np.empty((1, 0)))
             found.append(Constraint(elements, np.full_like(upper, -np.inf), upper, ("length times width",)))
         return found

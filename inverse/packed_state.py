@@ -17,17 +17,18 @@ from inverse.pattern import CFL, FloatArray, IntArray
 RIGID = (0.0, 1.0)  # cosine and sine of t = pi / 2, where nothing has moved
 
 
-def root_kernel(dimension: int) -> Kernel:
+def root_kernel(dimension: int, scale: float) -> Kernel:
     """The first three vertices of facet 0: one in the origin, one on the x axis, one beside it (y positive).
 
     Args:
         dimension: d, 2 for flat states, else 3. Local variables are the three vertices in the design, then in the
             state, 9 + 3 d.
+        scale: unit of the state's coordinates.
     """
 
     def residual(q: casadi.SX, _: casadi.SX) -> casadi.SX:
         a, b, c = (q[3 * k : 3 * k + 3] for k in range(3))
-        at_a, at_b, at_c = (q[9 + dimension * k : 9 + dimension * (k + 1)] for k in range(3))
+        at_a, at_b, at_c = (scale * q[9 + dimension * k : 9 + dimension * (k + 1)] for k in range(3))
         along, aside = b - a, c - a
         length = casadi.norm_2(along)
         rest = casadi.SX.zeros(dimension - 2)
@@ -40,7 +41,7 @@ def root_kernel(dimension: int) -> Kernel:
     return Kernel("root", residual, 9 + 3 * dimension)
 
 
-def placement_kernel(dimension: int) -> Kernel:
+def placement_kernel(dimension: int, scale: float) -> Kernel:
     """A vertex c of a facet beyond the edge a-b of a facet that lies already and has a further vertex p.
 
     With the design's fold angle rho, cos rho_t = (C + cos rho) / (1 + C cos rho) and sin rho_t = S sin rho / (the
@@ -50,11 +51,12 @@ def placement_kernel(dimension: int) -> Kernel:
     Args:
         dimension: d, 2 for flat states, else 3. Local variables are a, b, p, c in the design, then in the state,
             12 + 4 d; parameters are C and S.
+        scale: unit of the state's coordinates.
     """
 
     def residual(q: casadi.SX, cosine_and_sine: casadi.SX) -> casadi.SX:
         a, b, p, c = (q[3 * k : 3 * k + 3] for k in range(4))
-        at_a, at_b, at_p, at_c = (q[12 + dimension * k : 12 + dimension * (k + 1)] for k in range(4))
+        at_a, at_b, at_p, at_c = (scale * q[12 + dimension * k : 12 + dimension * (k + 1)] for k in range(4))
         cosine, sine = cosine_and_sine[0], cosine_and_sine[1]
         along = b - a
         square = casadi.sumsqr(along)

@@ -176,7 +176,10 @@ class Rounds:
         """
         left = self.options.max_iterations
         light = None if is_seed else self._light(problem, x, parameters)
-        for method in (APPROACHING, STATIC) if multipliers is None else (STATIC,):
+        methods = (APPROACHING, STATIC) if multipliers is None else (STATIC,)
+        if problem.has_states:
+            methods = (STATIC,) if multipliers is None else ()
+        for method in methods:
             near = None
             for one in (light, solver) if light else (solver,):
                 if method == APPROACHING:
