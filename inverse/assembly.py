@@ -42,9 +42,12 @@ class Problem:
         return len(self.lower)
 
     @property
-    def has_states(self) -> bool:
-        """Whether some variables occur in no objective: those of packed states."""
-        return len(np.unique(np.concatenate([o.elements.variables.ravel() for o in self.objectives]))) < self.n_variables
+    def has_passive_variables(self) -> bool:
+        """Whether some variables occur in no objective: they follow the others by equations, and have no curvature."""
+        active = np.zeros(self.n_variables, bool)
+        for objective in self.objectives:
+            active[objective.elements.variables] = True
+        return not active.all()
 
     @property
     def n_objective_parameters(self) -> int:

@@ -13,12 +13,12 @@ from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
 from inverse.model import Constraint, DesignModel, Objective
 from inverse.objectives import Goal
-from inverse.packed import Packed
+from inverse.packed import Measure, Packed
 from inverse.pattern import Design, FloatArray
 from inverse.spec import BetweenTarget as BetweenKeys
 from inverse.spec import FilePattern, Loaded
 from inverse.spec import HeightTarget as HeightKeys
-from inverse.spec_footprint import radians
+from inverse.spec_footprint import FootprintLimits, State, radians
 from inverse.target import Target
 
 T = TypeVar("T")
@@ -132,20 +132,22 @@ def _packed(loaded: Loaded, model: DesignModel) -> tuple[Packed, ...]:
     """The states that are measured by the objective or limited, one set of variables for each."""
     specification = loaded.specification
     measured, limited = specification.footprint, specification.constraints.footprint
-    states = []
+    uses: dict[State, tuple[Measure | None, FootprintLimits | None]] = {}
     if specification.objectives.get("footprint", 0.0) > 0:
-        states.append(measured.state)
-    if limited is not None and limited.state not in states:
-        states.append(limited.state)
+        uses[measured.state] = measured.measure, None
+    if limited is not None:
+        uses[limited.state] = uses.get(limited.state, (None,))[0], limited
     found: list[Packed] = []
-    for state in states:
-        keys = limited if limited is not None and limited.state == state else None
-        limits = [np.inf if k is None else k for k in ((keys.length, keys.width, keys.height) if keys else [None] * 3)]
-        area = keys.area if keys and keys.area else np.inf
-        measure = measured.measure if specification.objectives.get("footprint", 0.0) > 0 and state == measured.state else None
-        first = model.n_variables + sum(p.n_variables for p in found)
-        d = 2 if isinstance(state, str) else 3
-        found.append(Packed(model, radians(state), measure, np.array(limits[:d]), area, first))
+    for state, (measure, keys) in uses.items():
+        limits = np.full(2 if isinstance(state, str) else 3, np.inf)
+        area = np.inf
+        if keys is not None:
+            given = [np.inf if k is None else k for k in (keys.length, keys.width, keys.height)]
+            # No side is longer than the length: without this a box of length 5 could lie across a state of width 4.
+            limits = np.minimum.accumulate(given[: limits.size])
+            area = keys.area or np.inf
+        first = model.n_variables + sum(packed.n_variables for packed in found)
+        found.append(Packed(model, radians(state), measure, limits, area, first))
     return tuple(found)
 
 

@@ -23,10 +23,12 @@ SIDES = ("length", "width", "height")
 class Packed:
     """Variables of one state: coordinates of its vertices, a turn of the box, its lower corner and its extents.
 
-    A flat state has two coordinates per vertex, any other one three. Lengths are relative to the longest extent of the
-    seed's state: a small change of the design moves far vertices of the state a lot, and a solver that weighs all steps
-    alike is to take that for small. The state lies as :func:`inverse.footprint.laid_out` lays it; the axes of its box are those around the seed's, turned.
-    Of the box there is what the measure and the limits need, since variables that nothing holds make steps singular.
+    A flat state has two coordinates per vertex, any other one three. It lies as :func:`inverse.footprint.laid_out` lays
+    it; the axes of its box are those around the seed's, turned. Of the box there is what the measure and the limits
+    need, since variables that nothing holds make steps singular.
+
+    Lengths are relative to the longest extent of the seed's state: a small change of the design moves far vertices of
+    the state a lot, and a solver that weighs the steps of all variables alike is to take that for small.
 
     Attributes:
         model: the design that is folded.

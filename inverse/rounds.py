@@ -175,10 +175,11 @@ class Rounds:
         them, is done again with all.
         """
         left = self.options.max_iterations
-        light = None if is_seed else self._light(problem, x, parameters)
-        methods = (APPROACHING, STATIC) if multipliers is None else (STATIC,)
-        if problem.has_states:
+        methods: tuple[str, ...] = (APPROACHING, STATIC) if multipliers is None else (STATIC,)
+        if problem.has_passive_variables:
+            # Static pivots come near there, but not to the end; linearized, packed states fly about.
             methods = (STATIC,) if multipliers is None else ()
+        light = None if is_seed or not methods else self._light(problem, x, parameters)
         for method in methods:
             near = None
             for one in (light, solver) if light else (solver,):

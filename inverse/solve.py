@@ -141,9 +141,7 @@ def _from_result(start: Result, goal: Goal) -> FloatArray:
     return goal.start(model.seed.vertices_coords + moved)
 
 
-def _from_coarse(
-    loaded: Loaded, goal: Goal, control: Control, attempts: list[dict[str, Any]]
-) -> FloatArray | None:
+def _from_coarse(loaded: Loaded, goal: Goal, control: Control, attempts: list[dict[str, Any]]) -> FloatArray | None:
     """Variables to start a fine grid from, taken from a coarser one; what is attempted there is added."""
     task = coarse.coarsened(loaded)
     if task is None:

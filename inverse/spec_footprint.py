@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -73,7 +74,7 @@ class FootprintLimits(Model):
         if not flat and self.area is not None:
             raise refusal("area is for flat states, developed and flat-folded", key="area", at_key=True)
         sides = [(name, given[name]) for name in ("length", "width", "height") if given[name] is not None]
-        for (longer, most), (shorter, size) in zip(sides, sides[1:], strict=False):
+        for (longer, most), (shorter, size) in itertools.pairwise(sides):
             if size > most:
                 raise refusal(f"{shorter} {size:g} is more than {longer} {most:g}: exchange them", key=shorter)
         return self

@@ -25,9 +25,7 @@ BOUND = 1e-7  # IPOPT relaxes bounds by 1e-8 to have an interior
 LIMIT = 1e-6  # of a footprint's limits, relative to them
 
 
-def stationarity(
-    problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, goal: Goal
-) -> float:
+def stationarity(problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, goal: Goal) -> float:
     """Largest component of the Lagrangian's gradient, relative to the objective's gradient at the seed."""
     _, gradient = problem.objective_and_gradient(x, parameters)
     _, at_seed = problem.objective_and_gradient(goal.start(goal.model.seed.vertices_coords), problem.parameters())
