@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from inverse import geometry
 from inverse.folding import fold
 from inverse.pattern import Design, FloatArray
 
 FLAT_STATES = {"developed": 0.0, "flat-folded": float(np.pi)}
+SKEW = np.array([1.0, 0.618, 0.271])  # across no axis that a design is likely to have
+FLAT = 1e-9  # thickness, relative to the length, up to which a state has no hull in space
 
 
 def laid_out(design: Design, t: float) -> FloatArray:
@@ -31,7 +34,7 @@ def laid_out(design: Design, t: float) -> FloatArray:
 
 
 def box_axes(points: FloatArray) -> FloatArray:
-    """Directions of the smallest box around points.
+    """Directions of the smallest box around points: one that lies on a side of their convex hull.
 
     Args:
         points: (N, 2) for the rectangle of least area, (N, 3) for the box of least volume.
@@ -39,12 +42,35 @@ def box_axes(points: FloatArray) -> FloatArray:
     Returns:
         (d, d) unit vectors, row by row; the points extend farthest along the first and least along the last.
     """
-    from trimesh import bounds  # takes longer to load than the rest of the package together
-
-    dimension = points.shape[1]
-    onto, _ = bounds.oriented_bounds_2D(points) if dimension == 2 else bounds.oriented_bounds(points)
-    axes = np.asarray(onto[:dimension, :dimension])
+    axes = _rectangle(points) if points.shape[1] == 2 else _box(points)
+    axes = axes * np.sign(axes @ SKEW[: points.shape[1]])[:, None]  # of a line's two directions always the same
     return np.asarray(axes[np.argsort(-extents(points, axes), kind="stable")])
+
+
+def _rectangle(points: FloatArray) -> FloatArray:
+    across = ConvexHull(points).equations[:, :2]
+    along = np.column_stack([-across[:, 1], across[:, 0]])
+    best = np.argmin(np.ptp(points @ across.T, axis=0) * np.ptp(points @ along.T, axis=0))
+    return np.array([along[best], across[best]])
+
+
+def _box(points: FloatArray) -> FloatArray:
+    _, sizes, directions = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+    if sizes[2] <= FLAT * sizes[0]:
+        return np.vstack([_rectangle(points @ directions[:2].T) @ directions[:2], directions[2]])
+    hull = ConvexHull(points)
+    corners, normals = points[hull.vertices], hull.equations[:, :3]
+
+    def on_side(normal: FloatArray) -> tuple[float, FloatArray]:
+        across = np.linalg.svd(normal[None])[2][1:]
+        axes = np.vstack([_rectangle(corners @ across.T) @ across, normal])
+        return float(np.prod(extents(corners, axes))), axes
+
+    # A smooth hull has thousands of sides: a few degrees apart first, then those next to the best.
+    few = normals[np.unique(np.round(normals, 1), axis=0, return_index=True)[1]]
+    best = min(few, key=lambda normal: on_side(normal)[0])
+    near = normals[np.linalg.norm(normals - best, axis=1) < 0.1]
+    return min(map(on_side, near), key=lambda box: box[0])[1]
 
 
 def extents(points: FloatArray, axes: FloatArray) -> FloatArray:

@@ -136,6 +136,8 @@ def test_a_turned_box_holds_what_lies_in_it(t: float, limits: list[float]) -> No
     rows = np.array(box.elements.kernel.value(x[vertex], [])).ravel() / state.scale
     height = axes @ x[vertex[:d]] - x[-2 * k : x.size - k]
     assert_close(rows, np.concatenate([height, x[-k:] - height]), 1e-12)
+    # Extents that only a limit speaks of are held at it, else nothing would determine them.
+    assert next(c for c in state.constraints() if c.name.endswith("limits")).is_equation
     assert (box.lower == 0).all()
     assert np.isinf(box.upper).all()
 
@@ -264,5 +266,9 @@ def test_the_report_of_every_design() -> None:
         assert ratio["area"] == pytest.approx(ratio["length"] * ratio["width"])
     box = found["deployed"]["extents"]
     assert len(box) == 3
+    turned = design.moved_to(design.vertices_coords @ rotation(3) + 5)
+    assert_close(footprint.measured(turned, footprint.FLAT_STATES)["deployed"]["extents"], box, 1e-9)
+    one = footprint.measured(miura(1, 1), footprint.FLAT_STATES)["deployed"]["extents"]
+    assert_close(one, [*footprint.measured(miura(1, 1), {"flat": 0.0})["flat"]["extents"], 0], 1e-9)
     # A regular Miura's design state lies in a box along its own axes.
     assert np.prod(box) <= np.prod(np.ptp(design.vertices_coords, axis=0)) * (1 + 1e-9)
