@@ -42,6 +42,14 @@ class Problem:
         return len(self.lower)
 
     @property
+    def has_passive_variables(self) -> bool:
+        """Whether some variables occur in no objective: they follow the others by equations, and have no curvature."""
+        active = np.zeros(self.n_variables, bool)
+        for objective in self.objectives:
+            active[objective.elements.variables] = True
+        return not active.all()
+
+    @property
     def n_objective_parameters(self) -> int:
         """Number of parameters that belong to the objectives; they come first."""
         return len(self.objectives) + sum(o.elements.parameters.size for o in self.objectives)

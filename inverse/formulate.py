@@ -13,10 +13,12 @@ from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
 from inverse.model import Constraint, DesignModel, Objective
 from inverse.objectives import Goal
+from inverse.packed import Measure, Packed
 from inverse.pattern import Design, FloatArray
 from inverse.spec import BetweenTarget as BetweenKeys
 from inverse.spec import FilePattern, Loaded
 from inverse.spec import HeightTarget as HeightKeys
+from inverse.spec_footprint import FootprintLimits, State, radians
 from inverse.target import Target
 
 T = TypeVar("T")
@@ -53,7 +55,8 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     target = build_target(loaded)
     seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target))
     model = DesignModel(seed)
-    goal = Goal(model, target if share == 1 else target.flattened(share), specification.fit.points)
+    surface = target if share == 1 else target.flattened(share)
+    goal = Goal(model, surface, specification.fit.points, _packed(loaded, model))
     for name in specification.objectives:
         if name not in objectives.OBJECTIVES:
             known = ", ".join(sorted(objectives.OBJECTIVES))
@@ -69,7 +72,8 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     }
     fixed = constraints.hard_constraints(model, bounds)
     anchored, sliding = anchors.build(loaded, model)
-    return Formulation(goal, terms, [*fixed, *anchored, *_keep_outs(loaded, model)], sliding)
+    packed = [constraint for state in goal.packed for constraint in state.constraints()]
+    return Formulation(goal, terms, [*fixed, *anchored, *_keep_outs(loaded, model), *packed], sliding)
 
 
 def build_target(loaded: Loaded) -> Target:
@@ -127,6 +131,29 @@ def _keep_outs(loaded: Loaded, model: DesignModel) -> list[Constraint]:
             point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
         found.append(constraints.keep_out(model, f"keep_out_{k}", point, normal))
     return found
+
+
+def _packed(loaded: Loaded, model: DesignModel) -> tuple[Packed, ...]:
+    """The states that are measured by the objective or limited, one set of variables for each."""
+    specification = loaded.specification
+    measured, limited = specification.footprint, specification.constraints.footprint
+    uses: dict[State, tuple[Measure | None, FootprintLimits | None]] = {}
+    if specification.objectives.get("footprint", 0.0) > 0:
+        uses[measured.state] = measured.measure, None
+    if limited is not None:
+        uses[limited.state] = uses.get(limited.state, (None,))[0], limited
+    found: list[Packed] = []
+    for state, (measure, keys) in uses.items():
+        limits = np.full(2 if isinstance(state, str) else 3, np.inf)
+        area = np.inf
+        if keys is not None:
+            given = [np.inf if k is None else k for k in (keys.length, keys.width, keys.height)]
+            # No side is longer than the length: without this a box of length 5 could lie across a state of width 4.
+            limits = np.minimum.accumulate(given[: limits.size])
+            area = keys.area or np.inf
+        first = model.n_variables + sum(packed.n_variables for packed in found)
+        found.append(Packed(model, radians(state), measure, limits, area, first))
+    return tuple(found)
 
 
 def _radians(degrees: tuple[float, float]) -> tuple[float, float]:

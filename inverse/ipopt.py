@@ -140,6 +140,10 @@ class Solver:
             "acceptable_iter": 0,
             "max_iter": np.iinfo(np.int32).max,  # the watch counts
         }
+        if problem.has_passive_variables:
+            # Where equations only carry one variable over to the next, regularized ones leave an error that adds up
+            # along the chain: line searches then refuse the last steps.
+            self._options["perturb_always_cd"] = "no"
         self._watch = _Watch(problem, problem.parameters().size, report)
 
     def _solver(self, warm: bool, careful: bool) -> casadi.Function:

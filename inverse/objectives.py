@@ -13,6 +13,7 @@ from inverse import geometry, placement
 from inverse.errors import InputError
 from inverse.kernels import Elements, Kernel
 from inverse.model import DesignModel, Objective
+from inverse.packed import Packed
 from inverse.pattern import B, FloatArray, IntArray
 from inverse.target import Target
 
@@ -30,11 +31,23 @@ class Goal:
         model: the model.
         target: the target surface.
         fit_points: which points of the mesh are fitted.
+        packed: states whose extents are measured or limited, with variables of their own.
     """
 
     model: DesignModel
     target: Target
     fit_points: FitPoints
+    packed: tuple[Packed, ...] = ()
+
+    @property
+    def n_variables(self) -> int:
+        """Length of the vector of variables: the model's, then those of the packed states."""
+        return self.model.n_variables + sum(state.n_variables for state in self.packed)
+
+    def start(self, points: FloatArray) -> FloatArray:
+        """Variables (n_variables,) of a design with vertices (V, 3) in the seed's unit; packed states are folded."""
+        own = self.model.to_dimensionless(points)
+        return np.concatenate([own.ravel(), *(state.start(own) for state in self.packed)])
 
     @property
     def is_exact(self) -> bool:
@@ -226,6 +239,12 @@ def evenness(goal: Goal) -> list[Elements]:
     lengths = geometry.edge_lengths(model.pattern, model.seed_points)
     kernel = Kernel("evenness", lambda q, p: (casadi.sumsqr(q[3:] - q[:3]) * p - 1) / 2, 6, 1)
     return [Elements("evenness", kernel, model.variables_of(edges), lengths[:, None] ** -2)]
+
+
+@objective("footprint")
+def footprint(goal: Goal) -> list[Elements]:
+    """Extents or area of the box around a packed state, relative to those of the seed's."""
+    return [elements for state in goal.packed for elements in state.measured()]
 
 
 def _mean(q: casadi.SX, k: int) -> casadi.SX:

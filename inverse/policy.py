@@ -13,7 +13,7 @@ from inverse.control import Control
 from inverse.fold_format import frame_of
 from inverse.formulate import Formulation, formulate
 from inverse.ipopt import NEAR
-from inverse.model import DesignModel
+from inverse.objectives import Goal
 from inverse.pattern import Design, FloatArray
 from inverse.projection import Projection, balanced, polish
 from inverse.rounds import Rounds, Solution
@@ -108,7 +108,7 @@ class Policy:
         """
         if variables is None:
             began = time.perf_counter()
-            variables = self._from_coarse(self.loaded, self.formulation.goal.model)
+            variables = self._from_coarse(self.loaded, self.formulation.goal)
             self.seconds["start"] += time.perf_counter() - began
         best = self._solved("start", self.formulation, variables, multipliers)
         for step in (self._again, self._along_a_path, self._by_nlopt, self._restored):
@@ -197,17 +197,17 @@ class Policy:
 
     def _outcome(self, solution: Solution, formulation: Formulation | None = None) -> Outcome:
         """Polish, certify and judge."""
-        model = (formulation or self.formulation).goal.model
+        goal = (formulation or self.formulation).goal
         problem, parameters = solution.problem, solution.parameters
         began = time.perf_counter()
         variables = polish(problem, solution.variables, parameters)
         multipliers = balanced(problem, variables, solution.multipliers, parameters)
-        design = model.design(variables)
+        design = goal.model.design(variables)
         polished = time.perf_counter()
         certificate = check_frame(frame_of(fold_file.document(design)))
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished
-        judgement = verdict.judge(problem, variables, multipliers, parameters, model)
+        judgement = verdict.judge(problem, variables, multipliers, parameters, goal)
         objective, _ = problem.objective_and_gradient(variables, parameters)
         return Outcome(
             Solution(variables, multipliers, problem, parameters),
@@ -218,21 +218,21 @@ class Policy:
             objective,
         )
 
-    def _from_coarse(self, loaded: Loaded, model: DesignModel) -> FloatArray | None:
+    def _from_coarse(self, loaded: Loaded, goal: Goal) -> FloatArray | None:
         """Variables to start a fine grid from, taken from a coarser one."""
         task = coarse.coarsened(loaded)
         if task is None:
             return None
         formulation = formulate(task)
         own = formulation.goal.model
-        start = self._from_coarse(task, own)
+        start = self._from_coarse(task, formulation.goal)
         rounds = Rounds(formulation, task.specification.solver, self.control, self._method, start)
         solution = rounds.run()
         self.attempts += [{"step": "coarser grid"} | attempt for attempt in rounds.attempts]
         if self.control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
             return None  # the seed is better than what failed already
         points = own.points(solution.variables)
-        return model.to_dimensionless(coarse.spread(own.seed, points, model.seed)).ravel()
+        return goal.start(coarse.spread(own.seed, points, goal.model.seed))
 
     def _record(self, step: str, ended: str) -> None:
         self.attempts.append({"step": step, "method": step, "ended": ended, "iterations": 0})

@@ -96,7 +96,7 @@ class Rounds:
     def unsolved(self) -> Solution:
         """The start as a solution that no solver has touched."""
         goal = self.formulation.goal
-        x = goal.model.seed_points.ravel() if self.start is None else self.start
+        x = goal.start(goal.model.seed.vertices_coords) if self.start is None else self.start
         problem, _ = self._problem(self.formulation.sliding, [])
         parameters = problem.parameters(objectives.refreshed(goal, goal.model.points(x)))
         return Solution(x, np.zeros(problem.n_rows), problem, parameters)
@@ -104,7 +104,7 @@ class Rounds:
     def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Solution:
         """Rounds from a start, or the seed, until the closest points and the segments of polylines have settled."""
         goal, model = self.formulation.goal, self.formulation.goal.model
-        x = model.seed_points.ravel() if start is None else start
+        x = goal.start(model.seed.vertices_coords) if start is None else start
         sliding, seen = self.formulation.sliding, set()
         history: list[tuple[float, Solution]] = []
         multipliers, is_seed = None if start is None else self.multipliers, start is None
@@ -116,7 +116,7 @@ class Rounds:
             return Solution(x, np.zeros(problem.n_rows), problem, problem.parameters())
         if start is not None:
             # A start may be less feasible than the seed; who stops early gets the better of both.
-            seed = model.seed_points.ravel()
+            seed = goal.start(model.seed.vertices_coords)
             value, _ = problem.objective_and_gradient(seed, problem.parameters())
             self._feasible = (verdict.BOUND, value, seed)
         while True:
@@ -141,7 +141,7 @@ class Rounds:
                 sliding, multipliers, history, aim, before = onward, None, [], points, None
                 problem, solver = self._problem(sliding, extra)
                 continue
-            steepness = verdict.stationarity(problem, x, multipliers, fresh, model)
+            steepness = verdict.stationarity(problem, x, multipliers, fresh, goal)
             if goal.is_exact or steepness < SETTLED * verdict.STATIONARITY:
                 return Solution(x, multipliers, problem, fresh)
             if goal.target.has_kinks and len(history) > 3 and _no_gain([rms for rms, _ in history]):
@@ -170,8 +170,12 @@ class Rounds:
         left = self.options.max_iterations
         if isinstance(solver, nlopt_solver.Solver):
             return self._recorded(solver.run(x, parameters, multipliers, left), REDUCED, False)
-        light = None if is_seed else self._light(problem, x, parameters)
-        for method in (APPROACHING, STATIC) if multipliers is None else (STATIC,):
+        methods: tuple[str, ...] = (APPROACHING, STATIC) if multipliers is None else (STATIC,)
+        if problem.has_passive_variables:
+            # Static pivots come near there, but not to the end; linearized, packed states fly about.
+            methods = (STATIC,) if multipliers is None else ()
+        light = None if is_seed or not methods else self._light(problem, x, parameters)
+        for method in methods:
             near = None
             for one in (light, solver) if light else (solver,):
                 if method == APPROACHING:
@@ -249,10 +253,11 @@ class Rounds:
     ) -> tuple[Problem, Solver | nlopt_solver.Solver]:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
-        problem = Problem(goal.model.n_variables, self.formulation.objectives, terms)
+        problem = Problem(goal.n_variables, self.formulation.objectives, terms)
         if self.method == "ipopt":
             return problem, self._solver(problem, self._report)
-        _, gradient = problem.objective_and_gradient(goal.model.seed_points.ravel(), problem.parameters())
+        seed = goal.start(goal.model.seed.vertices_coords)
+        _, gradient = problem.objective_and_gradient(seed, problem.parameters())
         steepness = float(np.abs(gradient).max())
         return problem, nlopt_solver.Solver(problem, self.options.tolerance, steepness, self._report)
 

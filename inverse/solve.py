@@ -14,7 +14,7 @@ from inverse.certify import Certificate
 from inverse.control import Control, Watch
 from inverse.errors import InputError
 from inverse.formulate import Formulation, formulate
-from inverse.model import DesignModel
+from inverse.objectives import Goal
 from inverse.pattern import Design, FloatArray
 from inverse.policy import Outcome, Policy, reasons
 from inverse.spec import Loaded
@@ -90,7 +90,7 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
         if start is None:
             outcome = policy.run(None, None)
         else:
-            outcome = policy.run(_variables(start, formulation.goal.model), start.multipliers)
+            outcome = policy.run(_variables(start, formulation.goal), start.multipliers)
     ending, details = _ending(policy, outcome)
     report = _report(policy, outcome) | {"ending": ending}
     report["seconds"] = {"formulate": formulated - began} | policy.seconds
@@ -105,8 +105,9 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
     return result
 
 
-def _variables(start: Result, model: DesignModel) -> FloatArray:
+def _variables(start: Result, goal: Goal) -> FloatArray:
     """Variables of an earlier result, carried along with the seed where the target has moved."""
+    model = goal.model
     if start.design.pattern.faces_vertices != model.pattern.faces_vertices:
         raise InputError(
             f"the start has another pattern: {len(start.design.pattern.faces_vertices)} facets, "
@@ -114,7 +115,7 @@ def _variables(start: Result, model: DesignModel) -> FloatArray:
             hint="Start from a result of the same pattern, or without one.",
         )
     moved = start.design.vertices_coords - start.seed.vertices_coords
-    return model.to_dimensionless(model.seed.vertices_coords + moved).ravel()
+    return goal.start(model.seed.vertices_coords + moved)
 
 
 def _ending(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
@@ -149,6 +150,7 @@ def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
         "certified": outcome.certificate.certified,
         "fit": verdict.fit(goal, design),
         "coverage": verdict.coverage(goal, design),
+        "footprint": verdict.footprint(goal, outcome.solution.variables),
         "objective": problem.objective_terms(outcome.solution.variables, parameters),
         "verdict": outcome.judgement,
         "iterations": sum(attempt["iterations"] for attempt in policy.attempts),

@@ -26,6 +26,7 @@ from inverse.fields import (
     row,
     word,
 )
+from inverse.spec_footprint import Footprint, FootprintLimits
 from inverse.spec_pattern import FilePattern, GridPattern, Pattern
 from inverse.spec_target import BetweenTarget, HeightTarget, MeshTarget, Target
 from inverse.validation import validate
@@ -40,6 +41,8 @@ __all__ = [
     "Context",
     "FilePattern",
     "Fit",
+    "Footprint",
+    "FootprintLimits",
     "GridPattern",
     "HeightTarget",
     "KeepOut",
@@ -153,6 +156,7 @@ class Constraints(Model):
     )
     anchors: tuple[Anchor, ...] = Field(default=(), description="vertices that are held somewhere")
     keep_out: tuple[KeepOut, ...] = Field(default=(), description="half-spaces that the design stays out of")
+    footprint: FootprintLimits | None = Field(default=None, description="the box that a state has to fit into")
 
 
 class Solver(Model):
@@ -185,6 +189,7 @@ class Specification(Model):
     objectives: dict[str, Annotated[Number, Field(ge=0)]] = Field(
         default_factory=dict, description="weights of objective terms by their names, each at least 0"
     )
+    footprint: Footprint = Field(default=Footprint(), description="what the objective footprint makes small")
     constraints: Constraints = Field(default=Constraints(), description="what must hold")
     solver: Solver = Field(default=Solver(), description="how the problem is solved")
 

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from inverse import footprint as folded
 from inverse import geometry, objectives
 from inverse.assembly import Problem
 from inverse.crossing import triangles_of
-from inverse.model import DesignModel
 from inverse.objectives import Goal
+from inverse.packed import SIDES
 from inverse.pattern import Design, FloatArray
 from inverse.target.mesh import MeshTarget
 
@@ -21,25 +22,24 @@ COMPLEMENTARITY = 1e-2
 EQUATION = 1e-9
 SETTLED_GAP = 1e-10  # where the objective itself vanishes: (a hundred-thousandth of an edge) squared
 BOUND = 1e-7  # IPOPT relaxes bounds by 1e-8 to have an interior
+LIMIT = 1e-6  # of a footprint's limits, relative to them
 
 
-def stationarity(
-    problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, model: DesignModel
-) -> float:
+def stationarity(problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, goal: Goal) -> float:
     """Largest component of the Lagrangian's gradient, relative to the objective's gradient at the seed."""
     _, gradient = problem.objective_and_gradient(x, parameters)
-    _, at_seed = problem.objective_and_gradient(model.seed_points.ravel(), problem.parameters())
+    _, at_seed = problem.objective_and_gradient(goal.start(goal.model.seed.vertices_coords), problem.parameters())
     _, jacobian = problem.rows_and_jacobian(x, parameters)
     return float(np.abs(gradient + jacobian.T @ multipliers).max() / (np.abs(at_seed).max() or 1.0))
 
 
 def judge(
-    problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, model: DesignModel
+    problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, goal: Goal
 ) -> dict[str, Any]:
     """Stationarity, complementarity and violations of every constraint; ``failed`` says in sentences what fails."""
     value, _ = problem.objective_and_gradient(x, parameters)
     rows = problem.rows(x, parameters)
-    steepness = stationarity(problem, x, multipliers, parameters, model)
+    steepness = stationarity(problem, x, multipliers, parameters, goal)
     # A multiplier pushes inward from the bound that its sign belongs to; at a bound that is not there it is a
     # fault of its own size.
     slack = np.maximum(np.where(multipliers > 0, problem.upper - rows, rows - problem.lower), 0.0)
@@ -55,6 +55,9 @@ def judge(
         allowed = EQUATION if name in equations else BOUND
         if not size <= allowed:
             failed.append(f"constraint {name} is violated by {size:.2g} at {where}, {allowed:g} allowed")
+    for bound in limits(goal, x):
+        if not bound["value"] <= bound["limit"] * (1 + LIMIT):
+            failed.append("the {state} {measure} is {value:.6g}, {limit:g} allowed".format(**bound))
     return {
         "stationarity": steepness,
         "complementarity": gap,
@@ -92,3 +95,30 @@ def coverage(goal: Goal, design: Design) -> float:
     samples, areas = goal.target.samples()
     distances = MeshTarget(points, triangles_of(faces)[0]).distances(samples)
     return float(areas[distances <= np.mean(diameters)].sum() / areas.sum())
+
+
+def footprint(goal: Goal, x: FloatArray) -> dict[str, Any]:
+    """The footprint as reported: of the flat states, of those with variables of their own, and what was limited."""
+    states = folded.FLAT_STATES | {state.name: state.t for state in goal.packed}
+    return {**folded.measured(goal.model.design(x), states), "limits": limits(goal, x)}
+
+
+def limits(goal: Goal, x: FloatArray) -> list[dict[str, Any]]:
+    """Every limited extent and area: its limit and its value, in the box's directions, of the design as it folds.
+
+    Of the packed state's variables only the directions are believed: that a box so turned is large enough proves that
+    there is one.
+    """
+    found: list[dict[str, Any]] = []
+    design = goal.model.design(x)
+    for state in goal.packed:
+        points = folded.laid_out(design, state.t)[:, : state.dimension]
+        sizes = folded.extents(points, state.axes(x)).tolist()
+        limited = [(SIDES[k], size, float(state.limits[k])) for k, size in zip(state.sides, sizes, strict=True)]
+        limited.append(("area", sizes[0] * sizes[-1], state.area))
+        found += [
+            {"state": state.name, "measure": word, "value": value, "limit": limit}
+            for word, value, limit in limited
+            if np.isfinite(limit)
+        ]
+    return found

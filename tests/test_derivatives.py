@@ -22,6 +22,7 @@ from inverse.assembly import Problem
 from inverse.kernels import Kernel
 from inverse.model import Constraint, DesignModel
 from inverse.objectives import OBJECTIVES, Goal
+from inverse.packed import Packed
 from inverse.pattern import Design
 from inverse.target import Target
 from inverse.target.mesh import MeshTarget
@@ -64,6 +65,22 @@ def sliding(model: DesignModel) -> list[Constraint]:
     return [anchors.PolylineAnchor("sliding", FEW, line, np.array([0, 1, 1])).constraint(model)]
 
 
+def packed(model: DesignModel) -> list[Packed]:
+    """All that a box can have: both its sides measured and limited, one side held, a turn in space."""
+    none, scale = np.inf, model.scale
+    uses = [
+        (np.pi, "extent", [3.0, none], 7.0),
+        (0.0, None, [none, 2.0], none),
+        (1.2, None, [none, none, 0.5], none),
+        (0.4, None, [4.0, 3.0, 2.0], none),
+    ]
+    found: list[Packed] = []
+    for t, measure, limits, area in uses:
+        first = found[-1].first + found[-1].n_variables if found else model.n_variables
+        found.append(Packed(model, t, measure, scale * np.array(limits), scale**2 * area, first))
+    return found
+
+
 CONSTRAINTS: dict[str, Callable[[DesignModel], list[Constraint]]] = {
     "opposite_angles": lambda model: [constraints.opposite_angles(model)],
     "planarity": constraints.planarity,
@@ -78,6 +95,7 @@ CONSTRAINTS: dict[str, Callable[[DesignModel], list[Constraint]]] = {
     "keep_out": lambda model: [constraints.keep_out(model, "keep_out", POINT, NORMAL)],
     "separation": separation,
     "sliding anchor": sliding,
+    "packed states": lambda model: [constraint for state in packed(model) for constraint in state.constraints()],
 }
 
 
@@ -140,9 +158,9 @@ def own_objective() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Task:
-    """A problem of one mesh and the names of the blocks that each registered term has in it."""
+    """A problem of one mesh, the seed's variables, the names of the blocks that each registered term has in it."""
 
-    model: DesignModel
+    start: np.ndarray
     problem: Problem
     blocks: dict[str, list[str]]
 
@@ -152,8 +170,9 @@ def constrained(mesh: str) -> Task:
     """All constraints of a mesh in one problem."""
     model = posed(mesh)
     blocks = {term: build(model) for term, build in CONSTRAINTS.items()}
-    problem = Problem(model.seed_points.size, [], [c for found in blocks.values() for c in found])
-    return Task(model, problem, {term: [b.name for b in found] for term, found in blocks.items()})
+    start = np.concatenate([model.seed_points.ravel(), *(state.start(model.seed_points) for state in packed(model))])
+    problem = Problem(start.size, [], [c for found in blocks.values() for c in found])
+    return Task(start, problem, {term: [b.name for b in found] for term, found in blocks.items()})
 
 
 @cache
@@ -161,11 +180,17 @@ def targeted(mesh: str, goal: str, terms: tuple[str, ...]) -> Task:
     """Objectives of a mesh in one problem with the hard constraints."""
     make, points = GOALS[goal]
     model = posed(mesh)
-    about = Goal(model, make(), points)
+    t, measure = {"facets": (np.pi, "extent"), "vertices": (0.0, "area"), "layer": (1.2, "extent")}[points]
+    boxed = Packed(model, t, measure, np.full(2 if t in (0, np.pi) else 3, np.inf), np.inf, model.n_variables)
+    about = Goal(model, make(), points, (boxed,))
     blocks = {term: objectives.build(about, {t: float(t == term) for t in OBJECTIVES}) for term in terms}
     hard = constraints.hard_constraints(model, BOUNDS)
-    problem = Problem(model.seed_points.size, [o for found in blocks.values() for o in found], hard)
-    return Task(model, problem, {term: [b.name for b in found] for term, found in blocks.items()})
+    problem = Problem(about.n_variables, [o for found in blocks.values() for o in found], hard)
+    return Task(
+        about.start(model.seed.vertices_coords),
+        problem,
+        {term: [b.name for b in found] for term, found in blocks.items()},
+    )
 
 
 def assert_second_order(function: Callable, slope: np.ndarray, x: np.ndarray, along: np.ndarray, what: str) -> None:
@@ -191,7 +216,7 @@ def assert_derivatives(task: Task, term: str) -> None:
         return problem.rows_and_jacobian(x, p)[0][own]
 
     for _ in range(2):
-        x = task.model.seed_points.ravel() + 0.07 * rng.standard_normal(problem.n_variables)
+        x = task.start + 0.07 * rng.standard_normal(problem.n_variables)
         along = rng.standard_normal(x.size) / 3
         lam_g = np.where(own, rng.standard_normal(problem.n_rows), 0.0)
 

@@ -36,11 +36,15 @@ ARROWS: dict[str, set[str]] = {
     "validation": {"errors", "words", "fields", "yaml_data", "yaml_source"},
     "spec_pattern": {"words", "fields"},
     "spec_target": {"errors", "fields", "target"},
-    "spec": {"errors", "words", "fields", "validation", "yaml_source", "spec_pattern", "spec_target"},
+    "spec_footprint": {"words", "fields"},
+    "spec": {"errors", "words", "fields", "validation", "yaml_source", "spec_footprint", "spec_pattern", "spec_target"},
     "kernels": {"pattern"},
     "model": {"pattern", "geometry", "kernels"},
+    "footprint": {"pattern", "geometry", "folding"},
+    "packed_state": {"pattern", "folding", "kernels", "model"},
+    "packed": {"pattern", "footprint", "kernels", "model", "packed_state"},
     "constraints": {"errors", "pattern", "geometry", "kernels", "model", "target"},
-    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "target", "placement"},
+    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "packed", "target", "placement"},
     "cylinder_loop": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "assembly": {"errors", "pattern", "kernels", "model"},
     "attempt": {"pattern"},
@@ -51,7 +55,7 @@ ARROWS: dict[str, set[str]] = {
     "chart": {"pattern", "assembly"},
     "nlopt_solver": {"pattern", "assembly", "attempt", "chart"},
     "relaxation": {"pattern", "model", "assembly", "attempt", "ipopt"},
-    "verdict": {"pattern", "geometry", "crossing", "model", "objectives", "assembly", "target"},
+    "verdict": {"pattern", "geometry", "crossing", "footprint", "packed", "objectives", "assembly", "target"},
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
 # What a specification means, then how it is solved: these stand on everything above.
@@ -73,7 +77,7 @@ LEAVES = {"__init__", "__main__", "app", "cli", "fabricate", "pictures", "report
 # Heavy libraries and who may import them.
 LIBRARIES = {
     "casadi": {
-        *("kernels", "model", "target", "constraints", "objectives", "cylinder_loop"),
+        *("kernels", "model", "target", "packed", "packed_state", "constraints", "objectives", "cylinder_loop"),
         *("assembly", "ipopt", "solve", "refine"),
     },
     "nlopt": {"nlopt_solver"},

@@ -17,7 +17,8 @@ from inverse.attempt import GIVEN_UP, Attempt, Progress
 from inverse.chart import Chart, Functions
 from inverse.formulate import formulate
 from inverse.kernels import Elements, Kernel
-from inverse.model import Constraint, DesignModel, Objective
+from inverse.model import Constraint, Objective
+from inverse.objectives import Goal
 
 DOME = {"height": "0.45 - 0.3*(x^2 + y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
 PLANE = {"side": "u0", "every": 2, "to": {"plane": {"point": [-0.55, 0, 0], "normal": [1, 0, 0]}}}
@@ -104,8 +105,8 @@ def test_equations_that_nothing_satisfies() -> None:
 
 def test_slopes_along_the_manifold() -> None:
     """Both forms of the derivative agree with the change between points of the manifold."""
-    problem, model = grid()
-    origin = model.seed_points.ravel()
+    problem, goal = grid()
+    origin = goal.model.seed_points.ravel()
     origin = origin + 1e-3 * np.random.default_rng(1).standard_normal(origin.size)
     chart = Chart(Functions(problem, problem.parameters()), origin)
     directions = chart.tangents[:, :4]
@@ -125,18 +126,18 @@ def test_slopes_along_the_manifold() -> None:
 
 
 @cache
-def grid() -> tuple[Problem, DesignModel]:
+def grid() -> tuple[Problem, Goal]:
     formulation = formulate(inverse.from_mapping({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME}))
-    model = formulation.goal.model
-    return Problem(model.n_variables, formulation.objectives, formulation.fixed), model
+    goal = formulation.goal
+    return Problem(goal.n_variables, formulation.objectives, formulation.fixed), goal
 
 
 def test_agreement_with_ipopt() -> None:
     """From near one optimum both come to it, with the same multipliers."""
-    problem, model = grid()
-    parameters, start = problem.parameters(), model.seed_points.ravel()
+    problem, goal = grid()
+    parameters, start = problem.parameters(), goal.model.seed_points.ravel()
     gradient = problem.objective_and_gradient(start, parameters)[1]
-    first = ipopt.Solver(problem, 1e-10, model.refinement, on).run(start, parameters, None, 200, careful=True)
+    first = ipopt.Solver(problem, 1e-10, goal.model.refinement, on).run(start, parameters, None, 200, careful=True)
     second = nlopt_solver.Solver(problem, 1e-9, np.abs(gradient).max(), on).run(
         first.variables + 1e-3 * np.sin(np.arange(start.size)), parameters, None, 300
     )
@@ -145,7 +146,7 @@ def test_agreement_with_ipopt() -> None:
     values = [problem.objective_and_gradient(a.variables, parameters)[0] for a in (first, second)]
     assert_close(values[1], values[0], 1e-6 * values[0])
     assert_close(second.variables, first.variables, 1e-4)
-    assert not verdict.judge(problem, second.variables, second.multipliers, parameters, model)["failed"]
+    assert not verdict.judge(problem, second.variables, second.multipliers, parameters, goal)["failed"]
 
 
 @pytest.mark.parametrize("keys", [{}, {"constraints": {"anchors": [PLANE]}}])
@@ -191,7 +192,7 @@ def test_report_stops_the_run() -> None:
 
 @pytest.mark.parametrize("limit", [1, 4, 13])
 def test_the_limit(limit: int) -> None:
-    problem, model = grid()
+    problem, goal = grid()
     seen: list[Progress] = []
 
     def report(progress: Progress) -> bool:
@@ -199,7 +200,7 @@ def test_the_limit(limit: int) -> None:
         return True
 
     solver = nlopt_solver.Solver(problem, 1e-9, 1e-9, report)
-    attempt = solver.run(model.seed_points.ravel(), problem.parameters(), None, limit)
+    attempt = solver.run(goal.model.seed_points.ravel(), problem.parameters(), None, limit)
     assert attempt.status == "Maximum_Iterations_Exceeded"
     assert attempt.iterations == limit
     assert len(seen) <= limit

@@ -74,7 +74,9 @@ def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
             "edge_length": [0.3, 3.0],
             "anchors": [],
             "keep_out": [],
+            "footprint": None,
         },
+        "footprint": {"state": "flat-folded", "measure": "extent"},
         "solver": {"method": "ipopt", "tolerance": 1e-9, "max_iterations": 500, "time_limit_s": None},
     }
     for name in MINIMAL:

@@ -43,7 +43,7 @@ UNKNOWN_KEYS = [
         "pattern:",
         "|pattrn:",
         '"pattrn" is no key of the top level: allowed are name, units, pattern, context, target, fit, '
-        "objectives, constraints, solver. Did you mean pattern? (and 1 more)",
+        "objectives, footprint, constraints, solver. Did you mean pattern? (and 1 more)",
     ),
     (
         "sector_angle: 60",
@@ -198,10 +198,49 @@ GEOMETRY = [
         "constraints.anchors.0.to.circle.radius is 0: it must be greater than 0",
     ),
 ]
+STATES = "allowed are developed, flat-folded or degrees between 0 and 180."
+
+
+def footprint(keys: str) -> str:
+    return f"[{{below: 2.4}}]\n  footprint: {keys}"
+
+
+SOLVER = "solver:"
+FOOTPRINT = [
+    (SOLVER, "footprint: {state: |folded}\nsolver:", f'"folded" is no state: {STATES} Did you mean flat-folded?'),
+    (SOLVER, "footprint: {state: |180}\nsolver:", f"180 is no state: {STATES} Write flat-folded."),
+    (SOLVER, "footprint: {state: |0}\nsolver:", f"0 is no state: {STATES} Write developed."),
+    (SOLVER, "footprint: {state: |-3.5}\nsolver:", f"-3.5 is no state: {STATES}\n"),
+    (SOLVER, "footprint: {state: |.nan}\nsolver:", f"NaN is no state: {STATES}\n"),
+    (SOLVER, "footprint: {state: |true}\nsolver:", f"true is no state: {STATES}\n"),
+    (
+        SOLVER,
+        "footprint: {measure: |size}\nsolver:",
+        '"size" is no measure: allowed are extent (mean square of the box',
+    ),
+    (SOLVER, "footprint: {state: 40, measure: |area}\nsolver:", "measure: area is for flat states, developed and"),
+    (SOLVER, "footprint: {|stat: 40}\nsolver:", '"stat" is no key of footprint: allowed are state, measure.'),
+    ("[{below: 2.4}]", footprint("|{}"), "a footprint needs at least one of length, width, height, area"),
+    (
+        "[{below: 2.4}]",
+        footprint("|{state: developed}"),
+        "a footprint needs at least one of length, width, height, area",
+    ),
+    ("[{below: 2.4}]", footprint("{width: |0}"), "constraints.footprint.width is 0: it must be greater than 0"),
+    ("[{below: 2.4}]", footprint("{width: 2, |height: 1}"), "the flat-folded state is flat and has no height"),
+    ("[{below: 2.4}]", footprint("{state: 40, |area: 1}"), "area is for flat states, developed and flat-folded"),
+    ("[{below: 2.4}]", footprint("{width: |3, length: 2}"), "width 3 is more than length 2: exchange them"),
+    ("[{below: 2.4}]", footprint("{state: 40, height: |3, length: 2}"), "height 3 is more than length 2"),
+    (
+        "[{below: 2.4}]",
+        footprint("{|widht: 2}"),
+        '"widht" is no key of constraints.footprint: allowed are state, length, ',
+    ),
+]
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"), [*UNKNOWN_KEYS, *WORDS, *COUNTS, *RANGES, *KINDS, *ONE_OF, *GEOMETRY]
+    ("old", "new", "message"), [*UNKNOWN_KEYS, *WORDS, *COUNTS, *RANGES, *KINDS, *ONE_OF, *GEOMETRY, *FOOTPRINT]
 )
 def test_refusals(refusal: Any, old: str, new: str, message: str) -> None:
     before, _, _ = changed(old, new).partition("|")
