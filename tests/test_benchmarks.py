@@ -13,6 +13,16 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.mark.slow
+def test_footprint() -> None:
+    command = [sys.executable, "-m", "benchmarks.footprint", "--size", "8", "12", "--only", "area"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    _, free, bounded = done.stdout.splitlines()
+    before, after = (float(row.split()[-4]) for row in (free, bounded))
+    assert after == pytest.approx(0.7 * before, rel=2e-3)
+
+
+@pytest.mark.slow
 def test_speed(tmp_path: Path) -> None:
     out = tmp_path / "speed.json"
     command = [sys.executable, "-m", "benchmarks.speed", "--sizes", "6", "8", "--out", str(out)]

@@ -14,7 +14,7 @@ from functools import cache
 import casadi
 import numpy as np
 import pytest
-from designs import assert_close, hybrid, polygonal, rotation
+from designs import assert_close, hybrid, polygonal, rotation, tube
 
 import inverse
 from inverse import anchors, constraints, objectives
@@ -168,8 +168,12 @@ class Task:
 @cache
 def constrained(mesh: str) -> Task:
     """All constraints of a mesh in one problem."""
-    model = posed(mesh)
-    blocks = {term: build(model) for term, build in CONSTRAINTS.items()}
+    return together(posed(mesh), CONSTRAINTS)
+
+
+def together(model: DesignModel, terms: dict[str, Callable[[DesignModel], list[Constraint]]]) -> Task:
+    """Constraints of a model in one problem."""
+    blocks = {term: build(model) for term, build in terms.items()}
     start = np.concatenate([model.seed_points.ravel(), *(state.start(model.seed_points) for state in packed(model))])
     problem = Problem(start.size, [], [c for found in blocks.values() for c in found])
     return Task(start, problem, {term: [b.name for b in found] for term, found in blocks.items()})
@@ -240,6 +244,11 @@ def assert_derivatives(task: Task, term: str) -> None:
 @pytest.mark.parametrize("mesh", MESHES)
 def test_constraints(mesh: str, term: str) -> None:
     assert_derivatives(constrained(mesh), term)
+
+
+def test_packed_states_of_a_tube() -> None:
+    term = "packed states"
+    assert_derivatives(together(DesignModel(tube()), {term: CONSTRAINTS[term]}), term)
 
 
 @pytest.mark.parametrize("goal", GOALS)
