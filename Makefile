@@ -37,11 +37,12 @@ bench: $(STAMP) ## quality of the fits, then speed from 16 x 16 to 128 x 128 (a 
 	$(BIN)/python -m benchmarks.fit
 	$(BIN)/python -m benchmarks.speed
 
-bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; strong bends; drags (half an hour)
+bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; strong bends, drags, footprints (an hour)
 	$(BIN)/python -m benchmarks.robustness
 	$(BIN)/python -m benchmarks.robustness --method nlopt
 	$(BIN)/python -m benchmarks.strong
 	$(BIN)/python -m benchmarks.refine
+	$(BIN)/python -m benchmarks.footprint
 
 lock: ## write requirements.lock anew from pyproject.toml
 	$(PYTHON) -m venv .venv-lock
