@@ -156,7 +156,7 @@ class _Search:
         self._optimizer.set_maxeval(limit)
         self._optimizer.set_ftol_abs(LITTLE)
         # However it ends: the best point is known, and what it is worth is judged elsewhere.
-        with contextlib.suppress(nlopt.ForcedStop, nlopt.RoundoffLimited, RuntimeError):
+        with contextlib.suppress(nlopt.ForcedStop, nlopt.RoundoffLimited, nlopt.runtime_error, RuntimeError):
             self._optimizer.optimize(np.append(np.zeros(n), 1 / self._share))
         if self.error is not None:
             raise self.error
