@@ -30,7 +30,7 @@ SECONDS = {32: 0.120, 100: 1.5}  # wanted of a step
 
 
 def step(size: int) -> dict[str, Any]:
-    """Seconds of steps in which a corner of a Miura sheet moves by a hundredth of the diagonal, others following."""
+    """Seconds of steps in which a corner of a Miura sheet is wished to move by 0.4 edges, and others to follow."""
     design = inverse.seeds.grid((size, size))
     began = time.perf_counter()
     model = DesignModel(design)
@@ -41,9 +41,8 @@ def step(size: int) -> dict[str, Any]:
     problem.rows_and_jacobian(x, parameters)
     built = time.perf_counter() - began
     points = model.seed_points
-    size_of_all = geometry.diagonal(points)
-    weights = np.exp(-((np.linalg.norm(points - points[0], axis=1) / (size_of_all / 4)) ** 2))
-    wish = (weights[:, None] * np.array([0.3, -0.5, 0.8]) * 0.01 * size_of_all).ravel()
+    weights = np.exp(-((np.linalg.norm(points - points[0], axis=1) / (geometry.diagonal(points) / 4)) ** 2))
+    wish = (weights[:, None] * np.array([0.12, -0.2, 0.32])).ravel()  # dimensionless: in mean edges
     seconds, residuals = [], []
     equations = problem.lower == problem.upper
     for _ in range(STEPS):

@@ -14,7 +14,8 @@ EXACT = 1e-15  # residual below which there is nothing to remove
 ENOUGH = 1e-13  # residual at which a step's Newton corrections end
 WITHIN = 1e-9  # by how much a bound may be exceeded before it is held like an equation
 ACTIVE = 1e-4  # of the largest multiplier: bounds that push by more than this are active
-CHORDS = 8  # Newton corrections with the same factors before the factors are made anew
+STUCK = 0.9  # corrections that leave more of the residual than this need new factors, or are at its rounding
+CHORDS = 16  # Newton corrections with the same factors, which cost less than making the factors anew once
 
 
 class LeastMove:
@@ -167,11 +168,12 @@ class Projection:
         for k in range(3 * CHORDS):
             residual = rows[chosen] - bounds
             last, size = size, float(np.abs(residual).max(initial=0.0))
-            if size <= ENOUGH or (size <= WITHIN and size >= last / 2):  # settled in rounding
-                return x if size <= 1e3 * ENOUGH else None
+            stuck = size > STUCK * last
+            if size <= ENOUGH or (size <= 1e3 * ENOUGH and stuck):  # in rounding
+                return x
             if not np.isfinite(size) or (size > last and size > 1.0):
                 return None
-            if k % CHORDS == CHORDS - 1:
+            if k % CHORDS == CHORDS - 1 or stuck:
                 _, jacobian = self._problem.rows_and_jacobian(x, self._parameters)
                 least = self._least_move(jacobian[chosen], len(chosen) - len(self._equations))
             x = x - least(residual)
