@@ -19,11 +19,12 @@ def coarsened(loaded: Loaded) -> Loaded | None:
 
     Returns:
         The task, or None where there is none that is like it: for small grids, odd numbers of facets, strips of
-        different lengths, lines of different types, and where vertices are held by anchors.
+        different lengths, lines of different types, where vertices are held by anchors, and where packed states count:
+        how far their ends drift from each other adds up over all facets, so that a spread design starts far off.
     """
     specification = loaded.specification
     pattern = specification.pattern
-    if not isinstance(pattern, GridPattern) or specification.constraints.anchors:
+    if not isinstance(pattern, GridPattern) or specification.constraints.anchors or specification.packs:
         return None
     (m, n), words, lengths = pattern.size, (pattern.u_lines, pattern.v_lines), (pattern.lengths_u, pattern.lengths_v)
     alike = all(_alike(row) for row in (*words, *lengths))

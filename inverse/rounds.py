@@ -237,6 +237,9 @@ class Rounds:
     def _kept(self, problem: Problem, parameters: FloatArray) -> FloatArray:
         """The best design so far: an iterate that a polish makes feasible, else the best that was so itself."""
         polished = polish(problem, self._near[2], parameters)
+        goal = self.formulation.goal
+        if goal.packed:
+            polished = goal.start(goal.model.points(polished))  # boxes around the states that have moved
         return polished if problem.violation(polished, parameters) <= verdict.BOUND else self._feasible[2]
 
     @property

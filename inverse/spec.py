@@ -193,6 +193,11 @@ class Specification(Model):
     constraints: Constraints = Field(default=Constraints(), description="what must hold")
     solver: Solver = Field(default=Solver(), description="how the problem is solved")
 
+    @property
+    def packs(self) -> bool:
+        """Whether the size of a packed state is an objective or limited."""
+        return self.objectives.get("footprint", 0.0) > 0 or self.constraints.footprint is not None
+
 
 @dataclass(frozen=True)
 class Loaded:

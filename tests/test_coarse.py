@@ -79,6 +79,8 @@ def test_the_coarse_task_is_alike_but_for_its_size() -> None:
         ((512, 14), {}),
         ((40, 40), {"pattern": {"v_lines": ["CFL"] + ["FL"] * 38}}),
         ((40, 40), {"pattern": {"lengths_v": [1.0] * 39 + [1.5]}}),
+        ((40, 40), {"objectives": {"footprint": 1e-3}}),
+        ((40, 40), {"constraints": {"footprint": {"width": 1}}}),
         (
             (40, 40),
             {

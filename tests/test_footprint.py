@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from designs import assert_close, best_motion, eggbox, hybrid, miura, perturbed,
 import inverse
 from inverse import constraints, footprint, verdict
 from inverse.assembly import Problem
+from inverse.attempt import Progress
 from inverse.folding import fold
 from inverse.formulate import formulate
 from inverse.model import DesignModel
@@ -212,6 +214,18 @@ def test_units_do_not_matter() -> None:
     ratios = (r.report["footprint"]["deployed_to_packed"]["flat-folded"] for r in (small, large))
     assert next(ratios) == pytest.approx(next(ratios), rel=1e-6)
     assert large.report["objective"] == pytest.approx(small.report["objective"], rel=1e-5)
+
+
+def test_what_was_found_before_an_interruption_is_kept() -> None:
+    def watch(_: str, progress: Progress) -> None:
+        if progress.iteration == 9:
+            signal.raise_signal(signal.SIGINT)
+
+    result = inverse.solve(task(objectives={"footprint": 1e-3}), watch)
+    assert result.interrupted
+    assert result.certified
+    assert result.report["verdict"]["violations"]["flat-folded box"]["value"] < 1e-7
+    assert result.report["fit"]["rms"] < 0.1 * result.report["fit"]["start_rms"]
 
 
 def test_a_bound_that_does_not_hold_is_told() -> None:
