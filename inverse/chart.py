@@ -20,7 +20,7 @@ from inverse.pattern import FloatArray
 RESIDUAL = 1e-14  # of equations; where rounding does not allow it, no less than TOLERATED
 TOLERATED = 1e-10
 STEPS = 12  # of Newton's method, to a point of the manifold
-REGULARIZED = 1e-12  # keeps equations solvable that repeat each other, as in refine.polish
+REGULARIZED = 1e-12  # keeps equations solvable that repeat each other, as in projection.LeastMove
 
 
 class Functions:

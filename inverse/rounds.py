@@ -18,10 +18,11 @@ from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
 from inverse.ipopt import NEAR, Solver
 from inverse.model import Constraint
-from inverse.pattern import FloatArray, IntArray, Pattern
+from inverse.pattern import FloatArray, IntArray
 from inverse.projection import polish
 from inverse.relaxation import LightSolver, relaxed
 from inverse.spec import Solver as SolverKeys
+from inverse.strips import alike
 
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
@@ -249,7 +250,7 @@ class Rounds:
         """Pairs of facets that cross, and those like them."""
         model = self.formulation.goal.model
         faces = model.pattern.faces_vertices
-        return _alike(model.pattern, crossing_facets(model.points(x), faces))
+        return alike(model.pattern, crossing_facets(model.points(x), faces))
 
     def _problem(
         self, sliding: list[PolylineAnchor], extra: list[Constraint]
@@ -305,18 +306,3 @@ def _no_gain(rms: list[float]) -> bool:
 
 def _segments(sliding: list[PolylineAnchor]) -> tuple[bytes, ...]:
     return tuple(anchor.segments.tobytes() for anchor in sliding)
-
-
-def _alike(pattern: Pattern, pairs: IntArray) -> IntArray:
-    """Pairs of facets and, on a grid, all pairs that lie alike along the strips that they belong to."""
-    if pattern.grid is None or not len(pairs):
-        return pairs
-    m, n = pattern.grid
-    (i0, j0), (i1, j1) = np.divmod(pairs[:, 0], n), np.divmod(pairs[:, 1], n)
-    found = set()
-    for a, b, c, d in np.stack([i0, j0, i1, j1], axis=1).tolist():
-        if abs(c - a) <= abs(d - b):
-            found |= {(i * n + b, (i + c - a) * n + d) for i in range(m) if 0 <= i + c - a < m}
-        else:
-            found |= {(a * n + j, c * n + j + d - b) for j in range(n) if 0 <= j + d - b < n}
-    return np.array(sorted((min(p), max(p)) for p in found), np.int64)

@@ -23,6 +23,7 @@ ARROWS: dict[str, set[str]] = {
     "pattern": {"errors"},
     "geometry": {"pattern"},
     "holes": {"pattern"},
+    "strips": {"pattern"},
     "folding": {"pattern", "geometry"},
     "fold_file": {"errors", "files", "fold_format", "pattern", "geometry", "holes", "folding"},
     "seeds": {"errors", "crossing", "pattern", "geometry"},
