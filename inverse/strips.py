@@ -27,4 +27,4 @@ def alike(pattern: Pattern, pairs: IntArray) -> IntArray:
             found |= {(i * n + b, (i + c - a) * n + d) for i in range(m) if 0 <= i + c - a < m}
         else:
             found |= {(a * n + j, c * n + j + d - b) for j in range(n) if 0 <= j + d - b < n}
-    return np.array(sorted((min(p), max(p)) for p in found), np.int64)
+    return np.array(sorted({(min(p), max(p)) for p in found}), np.int64)
