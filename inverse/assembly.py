@@ -155,11 +155,11 @@ class Problem:
 
     def violation(self, x: FloatArray, parameters: FloatArray) -> float:
         """Largest violation of all constraint rows, dimensionless."""
-        return float(self._excess(x, parameters).max(initial=0.0))
+        return float(self.excess(x, parameters).max(initial=0.0))
 
     def violations(self, x: FloatArray, parameters: FloatArray) -> dict[str, tuple[float, str]]:
         """Largest violation of every constraint, dimensionless, and the element where it is."""
-        excess = self._excess(x, parameters)
+        excess = self.excess(x, parameters)
         found, start = {}, 0
         for constraint in self.constraints:
             count, k = constraint.lower.shape
@@ -189,7 +189,7 @@ class Problem:
                 return e.name, _vertices(e.variables[columns[0]]) if names is None else names[columns[0]]
         return None
 
-    def _excess(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
+    def excess(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
         """By how much every row (R,) is beyond its bounds."""
         rows = self.rows(x, parameters)
         return np.asarray(np.maximum(np.maximum(self.lower - rows, rows - self.upper), 0.0))

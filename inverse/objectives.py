@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import casadi
@@ -43,6 +44,11 @@ class Goal:
     def n_variables(self) -> int:
         """Length of the vector of variables: the model's, then those of the packed states."""
         return self.model.n_variables + sum(state.n_variables for state in self.packed)
+
+    @cached_property
+    def seed_variables(self) -> FloatArray:
+        """Variables (n_variables,) of the placed seed."""
+        return self.start(self.model.seed.vertices_coords)
 
     def start(self, points: FloatArray) -> FloatArray:
         """Variables (n_variables,) of a design with vertices (V, 3) in the seed's unit; packed states are folded."""

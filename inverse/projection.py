@@ -155,7 +155,7 @@ class Projection:
             trial = self._corrected(x + wish - least(jacobian[chosen] @ wish + off), chosen, least)
             if trial is None:
                 return None
-            beyond = np.setdiff1d(np.flatnonzero(self._excess(trial) > WITHIN), chosen)
+            beyond = np.setdiff1d(np.flatnonzero(self._problem.excess(trial, self._parameters) > WITHIN), chosen)
             if len(beyond) == 0:
                 return trial
             held = np.concatenate([held, beyond])
@@ -182,9 +182,7 @@ class Projection:
 
     def _least_move(self, jacobian: sparse.csr_matrix, n_held: int) -> LeastMove:
         """Factors for the equations and the bounds held besides; the order of the equations is found once."""
-        if self._order is None:
-            if n_held:
-                return LeastMove(jacobian)
+        if self._order is None:  # the first factors are those of the equations alone
             least = LeastMove(jacobian)
             self._order = least.order
             return least
@@ -196,7 +194,3 @@ class Projection:
         lower, upper = self._problem.lower[chosen], self._problem.upper[chosen]
         own = rows[chosen]
         return np.asarray(np.where(np.abs(own - lower) <= np.abs(own - upper), lower, upper))
-
-    def _excess(self, x: FloatArray) -> FloatArray:
-        rows = self._problem.rows(x, self._parameters)
-        return np.asarray(np.maximum(self._problem.lower - rows, rows - self._problem.upper))

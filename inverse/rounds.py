@@ -97,7 +97,7 @@ class Rounds:
     def unsolved(self) -> Solution:
         """The start as a solution that no solver has touched."""
         goal = self.formulation.goal
-        x = goal.start(goal.model.seed.vertices_coords) if self.start is None else self.start
+        x = goal.seed_variables if self.start is None else self.start
         problem, _ = self._problem(self.formulation.sliding, [])
         parameters = problem.parameters(objectives.refreshed(goal, goal.model.points(x)))
         return Solution(x, np.zeros(problem.n_rows), problem, parameters)
@@ -105,7 +105,7 @@ class Rounds:
     def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Solution:
         """Rounds from a start, or the seed, until the closest points and the segments of polylines have settled."""
         goal, model = self.formulation.goal, self.formulation.goal.model
-        x = goal.start(model.seed.vertices_coords) if start is None else start
+        x = goal.seed_variables if start is None else start
         sliding, seen = self.formulation.sliding, set()
         history: list[tuple[float, Solution]] = []
         multipliers, is_seed = None if start is None else self.multipliers, start is None
@@ -117,9 +117,8 @@ class Rounds:
             return Solution(x, np.zeros(problem.n_rows), problem, problem.parameters())
         if start is not None:
             # A start may be less feasible than the seed; who stops early gets the better of both.
-            seed = goal.start(model.seed.vertices_coords)
-            value, _ = problem.objective_and_gradient(seed, problem.parameters())
-            self._feasible = (verdict.BOUND, value, seed)
+            value, _ = problem.objective_and_gradient(goal.seed_variables, problem.parameters())
+            self._feasible = (verdict.BOUND, value, goal.seed_variables)
         while True:
             seen.add(_segments(sliding))
             # The problem comes with closest points for the seed.
@@ -260,8 +259,7 @@ class Rounds:
         problem = Problem(goal.n_variables, self.formulation.objectives, terms)
         if self.method == "ipopt":
             return problem, self._solver(problem, self._report)
-        seed = goal.start(goal.model.seed.vertices_coords)
-        _, gradient = problem.objective_and_gradient(seed, problem.parameters())
+        _, gradient = problem.objective_and_gradient(goal.seed_variables, problem.parameters())
         steepness = float(np.abs(gradient).max())
         return problem, nlopt_solver.Solver(problem, self.options.tolerance, steepness, self._report)
 

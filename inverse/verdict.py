@@ -28,7 +28,7 @@ LIMIT = 1e-6  # of a footprint's limits, relative to them
 def stationarity(problem: Problem, x: FloatArray, multipliers: FloatArray, parameters: FloatArray, goal: Goal) -> float:
     """Largest component of the Lagrangian's gradient, relative to the objective's gradient at the seed."""
     _, gradient = problem.objective_and_gradient(x, parameters)
-    _, at_seed = problem.objective_and_gradient(goal.start(goal.model.seed.vertices_coords), problem.parameters())
+    _, at_seed = problem.objective_and_gradient(goal.seed_variables, problem.parameters())
     _, jacobian = problem.rows_and_jacobian(x, parameters)
     return float(np.abs(gradient + jacobian.T @ multipliers).max() / (np.abs(at_seed).max() or 1.0))
 
