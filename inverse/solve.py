@@ -138,7 +138,8 @@ def _ending(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
         return "infeasible", details
     if outcome.converged:
         return "not_certified", details
-    ran_out = any(attempt["ended"] == LIMIT for attempt in policy.attempts[-3:])
+    # The last run of each step counts: fast steps end at a limit of their own before exact ones follow.
+    ran_out = any(attempt["ended"] == LIMIT for attempt in policy.attempts if "outcome" in attempt)
     return "iteration_limit" if ran_out else "stalled", details
 
 

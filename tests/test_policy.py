@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import casadi
@@ -15,7 +16,7 @@ from test_solve import assert_good, dome, task
 import inverse
 from inverse import fold_file, objectives, statuses
 from inverse.assembly import Problem
-from inverse.attempt import Attempt
+from inverse.attempt import LIMIT, Attempt
 from inverse.certify import check_frame
 from inverse.constraints import edge_length
 from inverse.fold_format import frame_of
@@ -23,6 +24,7 @@ from inverse.ipopt import Solver
 from inverse.kernels import Elements, Kernel
 from inverse.model import DesignModel, Objective
 from inverse.pattern import FloatArray
+from inverse.refine import LIMITS
 from inverse.target.parametric import BetweenTarget, HeightTarget
 
 
@@ -152,6 +154,27 @@ def test_where_nothing_works_the_seed_is_returned_and_not_called_converged(monke
     assert result.report["reached"] == 0
     assert "not stationary" in result.status
     assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
+
+
+def test_a_limit_within_a_step_is_not_the_end_of_the_iterations(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only static pivots run out of iterations, as they may; what ends the step is a failure of pivoting."""
+    Failing(monkeypatch, 10**6)
+    monkeypatch.setattr("inverse.policy.NLOPT_LARGEST", 0)
+    run = Solver.run
+
+    def ended(solver: Solver, *arguments: Any, careful: bool, **options: Any) -> Attempt:
+        attempt = run(solver, *arguments, careful=careful, **options)
+        return attempt if careful else replace(attempt, status=LIMIT)
+
+    monkeypatch.setattr(Solver, "run", ended)
+    assert inverse.solve(task()).ending == "stalled"
+
+
+def test_the_limits_of_a_drag_are_those_that_a_specification_has_by_default() -> None:
+    limits = task().specification.constraints
+    assert limits.edge_length == LIMITS["edge_length"]
+    assert np.radians(limits.sector_angle) == pytest.approx(LIMITS["sector_angle"], rel=1e-15)
+    assert np.radians(limits.fold_angle) == pytest.approx(LIMITS["fold_angle"], rel=1e-15)
 
 
 def test_a_design_outside_its_bounds_is_brought_within_them(monkeypatch: pytest.MonkeyPatch) -> None:
