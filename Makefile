@@ -47,7 +47,7 @@ bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; s
 lock: ## write requirements.lock anew from pyproject.toml
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/pip install --quiet uv==$(UV_VERSION)
-	.venv-lock/bin/uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 \
+	.venv-lock/bin/uv pip compile pyproject.toml --extra dev --extra fabricate --universal --python-version 3.11 \
 	  --fork-strategy fewest --generate-hashes --no-annotate --no-header \
 	  --no-emit-index-url --quiet --output-file requirements.lock
 
