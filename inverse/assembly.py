@@ -50,6 +50,11 @@ class Problem:
         return not active.all()
 
     @property
+    def has_redundant_equations(self) -> bool:
+        """Whether some equations follow from others, so that their multipliers are not determined."""
+        return any(constraint.implies_others for constraint in self.constraints)
+
+    @property
     def n_objective_parameters(self) -> int:
         """Number of parameters that belong to the objectives; they come first."""
         return len(self.objectives) + sum(o.elements.parameters.size for o in self.objectives)

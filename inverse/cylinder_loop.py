@@ -11,77 +11,63 @@ These are 3 (k - 2) / 2 equations, as many as closure takes freedoms at a generi
 rank at Tachi's cylinders already, although there as many families of tubes meet as the polygon has cuts into
 quadrilaterals. Closure itself, the product of the hinge motions at k + 1 amounts of folding, is what the certificate
 looks at. As constraints those 6 (k + 1) rows are redundant everywhere, and singular where families meet.
+
+Where the hole is one missing facet, the disk that fills it is that facet with its four vertices: 9 equations.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from dataclasses import replace
 
 import casadi
 import numpy as np
-import scipy.linalg
+from numpy.typing import NDArray
 
-from inverse import geometry
+from inverse import constraints, geometry
 from inverse.errors import InputError
+from inverse.fillings import Filling, Quadrilateral, fillings, quadrilaterals
+from inverse.holes import boundary_loops
 from inverse.kernels import Elements, Kernel
 from inverse.model import Constraint, DesignModel
-from inverse.pattern import FloatArray, IntArray
-
-Quadrilateral = tuple[int, int, int, int]
-Filling = tuple[Quadrilateral, ...]
+from inverse.pattern import FloatArray, IntArray, Pattern
 
 FITS = 1e-6  # of a seed's equations: a filling that it leaves further off is not one of its families
 
 
-@cache
-def fillings(k: int) -> tuple[Filling, ...]:
-    """All ways to cut a polygon with corners 0 .. k - 1, k even, into quadrilaterals: 1, 3, 12, 55 for 4, 6, 8, 10."""
-
-    def between(low: int, high: int) -> list[Filling]:
-        """Of the part between the corners low and high, by the quadrilateral on the side that joins these two."""
-        if high - low == 1:
-            return [()]
-        return [
-            ((low, a, b, high), *first, *second, *third)
-            for a in range(low + 1, high, 2)
-            for b in range(a + 1, high, 2)
-            for first in between(low, a)
-            for second in between(a, b)
-            for third in between(b, high)
-        ]
-
-    return tuple(between(0, k - 1))
-
-
-def exact(model: DesignModel, name: str, strip: tuple[int, ...], filling: Filling | None = None) -> Constraint:
+def exact(model: DesignModel, name: str, strip: tuple[int, ...], filling: Filling | None = None) -> list[Constraint]:
     """A strip stays closed through the whole motion.
 
     Args:
         model: the model.
-        name: unique name of the constraint.
+        name: unique name of the constraint, or beginning of the names where there are several.
         strip: (k,) facets in order around a hole; the last shares an edge with the first.
         filling: of the polygon of their planes; by default the best conditioned one at the seed.
 
     Returns:
-        Three rows for every quadrilateral: its planes meet in a point, and two pairs of opposite folds are equal.
+        Three rows for every quadrilateral: its planes meet in a point, and two pairs of opposite folds are equal. For
+        a hole of one facet its planarity and the conditions of its vertices.
 
     Raises:
         InputError: the seed does not close in any of these ways.
     """
-    filling = suited(model, strip)[0] if filling is None else filling
-    places, vertices = _corners(model, strip)
-    normals = geometry.facet_normals(model.pattern, model.seed_points)[list(strip)]
+    if filling is None:
+        missing = missing_facet(model.pattern, strip)
+        if missing is not None:
+            return _filled_in(model, name, missing)
+        filling = suited(model, strip)[0]
+    corners, vertices = _corners(model, strip)
     points = model.seed_points[vertices]
-    centre = points.mean(axis=0)
-    size = float(np.sqrt(np.mean(np.sum((points - centre) ** 2, axis=1))))
+    centre, size = points.mean(axis=0), _size(points)
+    normals = geometry.facet_normals(model.pattern, model.seed_points)[list(strip)]
 
     def residual(q: casadi.SX, _: casadi.SX) -> casadi.SX:
-        return _filled((casadi.reshape(q, 3, len(vertices)) - centre) / size, places, normals, filling)
+        planes = _planes((casadi.reshape(q, 3, len(vertices)) - centre) / size, corners)
+        return casadi.vertcat(*(_vertex(planes, normals, quadrilateral) for quadrilateral in filling))
 
     kernel = Kernel(name, residual, 3 * len(vertices))
     elements = Elements(name, kernel, model.variables_of(vertices[None]), np.empty((1, 0)))
     zero = np.zeros((1, kernel.n_residuals))
-    return Constraint(elements, zero, zero, (f"strip of {len(strip)} facets from facet {strip[0]}",))
+    return [Constraint(elements, zero, zero, (_label(strip),), implies_others=True)]
 
 
 def suited(model: DesignModel, strip: tuple[int, ...]) -> list[Filling]:
@@ -91,22 +77,39 @@ def suited(model: DesignModel, strip: tuple[int, ...]) -> list[Filling]:
         InputError: there is none.
     """
     k = len(strip)
-    found: list[tuple[float, Filling]] = []
-    x = model.seed_points.ravel()
-    for filling in fillings(k) if k % 2 == 0 else ():
-        elements = exact(model, "filling", strip, filling).elements
-        rows = np.asarray(elements.kernel.value(x[elements.variables[0]], []))
-        if np.abs(rows).max() < FITS:
-            jacobian = np.asarray(elements.kernel.jacobian(x[elements.variables[0]], []).full())
-            found.append((float(np.linalg.svd(jacobian, compute_uv=False)[-1]), filling))
+    corners, vertices = _corners(model, strip)
+    points = model.seed_points[vertices]
+    q = casadi.SX.sym("q", 3, len(vertices))
+    planes, normals = _planes(q, corners), geometry.facet_normals(model.pattern, model.seed_points)[list(strip)]
+    centred = (points - points.mean(axis=0)) / _size(points)
+    jacobians: dict[Quadrilateral, FloatArray] = {}
+    for quadrilateral in quadrilaterals(k):
+        rows = _vertex(planes, normals, quadrilateral)
+        values, jacobian = casadi.Function("vertex", [q], [rows, casadi.jacobian(rows, q)])(centred.T)
+        if np.abs(values.full()).max() < FITS:
+            jacobians[quadrilateral] = jacobian.full()
+    found = [
+        (float(np.linalg.svd(np.vstack([jacobians[q] for q in filling]), compute_uv=False)[-1]), filling)
+        for filling in fillings(k, frozenset(jacobians))
+    ]
     if not found:
         raise InputError(
-            f"the strip of {k} facets around a hole, from facet {strip[0]}, does not stay closed in the seed's motion",
-            hint="Start from a seed that folds without opening, such as a tube of a section of signed steps.",
+            f"the strip of {k} facets around a hole, from facet {strip[0]}, cannot be kept closed through the motion",
+            hint="Start from a seed that folds without opening: a tube of a section of signed steps, or a sheet with "
+            "holes of one or two facets.",
         )
     best = max(size for size, _ in found)
     # Mirror images are as good as each other up to rounding, which is not to decide.
     return [filling for _, filling in sorted(found, key=lambda one: (-round(one[0] / best, 6), one[1]))]
+
+
+def missing_facet(pattern: Pattern, strip: tuple[int, ...]) -> tuple[int, ...] | None:
+    """The four vertices of the facet within a strip, counter-clockwise, if only one is missing there; else None."""
+    vertices = {v for f in strip for v in pattern.faces_vertices[f]}
+    for loop in boundary_loops(pattern):
+        if len(strip) == 8 and len(loop) == 4 and vertices.issuperset(loop):
+            return tuple(loop[::-1])  # facets lie on the left of the border, the hole on its right
+    return None
 
 
 def bars(model: DesignModel, name: str, strip: tuple[int, ...]) -> Constraint:
@@ -125,7 +128,7 @@ def bars(model: DesignModel, name: str, strip: tuple[int, ...]) -> Constraint:
     first = _spread(points)
     order = np.r_[first, np.setdiff1d(np.arange(len(vertices)), first)]
     vertices, points = vertices[order], points[order]
-    size = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
+    size = _size(points)
 
     def shape(q: casadi.SX) -> casadi.SX:
         a, b, c, *others = (q[3 * k : 3 * k + 3] / size for k in range(len(vertices)))
@@ -138,30 +141,37 @@ def bars(model: DesignModel, name: str, strip: tuple[int, ...]) -> Constraint:
     kept = np.asarray(casadi.Function("shape", [q], [shape(q)])(points.ravel())).ravel()
     kernel = Kernel(name, lambda q, _: shape(q), 3 * len(vertices))
     elements = Elements(name, kernel, model.variables_of(vertices[None]), np.empty((1, 0)))
-    return Constraint(elements, kept[None], kept[None], (f"strip of {len(strip)} facets from facet {strip[0]}",))
+    return Constraint(elements, kept[None], kept[None], (_label(strip),), implies_others=True)
 
 
-def independent(jacobian: FloatArray) -> IntArray:
-    """Rows of a Jacobian that span all of them, as far from dependent as a pivoted factorization finds.
-
-    Where a strip closes through the whole motion, three equations of every further ring of vertices around the hole
-    follow from the others: which strip comes next is a matter of one plane. A solver that is given all of them
-    finds no multipliers.
-
-    Args:
-        jacobian: (R, n).
-
-    Returns:
-        (r,) int, ascending; r is the rank.
-    """
-    sizes = np.linalg.norm(jacobian, axis=1, keepdims=True)
-    scaled = jacobian / np.where(sizes > 0, sizes, 1.0)
-    _, triangle, order = scipy.linalg.qr(scaled.T, mode="economic", pivoting=True)
-    diagonal = np.abs(np.diag(triangle))
-    return np.sort(order[: int((diagonal > RANK * diagonal[0]).sum())]).astype(np.int64)
+def _filled_in(model: DesignModel, name: str, missing: tuple[int, ...]) -> list[Constraint]:
+    """The conditions that a missing facet (4,) makes for its vertices and for itself."""
+    whole = DesignModel(replace(model.seed, pattern=_with_facet(model.pattern, missing)))
+    corners = np.isin(whole.pattern.interior_vertices, missing)
+    angles = constraints.opposite_angles(whole).only(corners, f"{name}_opposite_angles")
+    planarity = next(c for c in constraints.planarity(whole) if c.name == "planarity")
+    return [angles, planarity.only(np.arange(planarity.elements.count) == planarity.elements.count - 1, name)]
 
 
-RANK = 1e-8  # pivots of rows that depend on others are 1e-14; the smallest of others 1e-4 at 8 x 24 facets
+def _with_facet(pattern: Pattern, missing: tuple[int, ...]) -> Pattern:
+    """The pattern with one more facet; the lines that end at the hole go on along its edges."""
+    known = {
+        frozenset(pair): kind
+        for pair, kind in zip(pattern.edges_vertices.tolist(), pattern.edges_type.tolist(), strict=True)
+    }
+    faces = [*pattern.faces_vertices, missing]
+    for a, b in zip(missing, np.roll(missing, -1).tolist(), strict=True):
+        beside = {v for face in faces if a in face and b in face for v in face}
+        known[frozenset((a, b))] = next(kind for pair, kind in known.items() if a in pair and not pair <= beside)
+
+    def types(edges: IntArray) -> NDArray[np.int8]:
+        return np.array([known[frozenset(pair)] for pair in edges.tolist()], np.int8)
+
+    return Pattern.from_faces(faces, pattern.n_vertices, types)
+
+
+def _label(strip: tuple[int, ...]) -> str:
+    return f"strip of {len(strip)} facets from facet {strip[0]}"
 
 
 def _corners(model: DesignModel, strip: tuple[int, ...]) -> tuple[list[list[int]], IntArray]:
@@ -169,6 +179,11 @@ def _corners(model: DesignModel, strip: tuple[int, ...]) -> tuple[list[list[int]
     faces = [model.pattern.faces_vertices[f] for f in strip]
     vertices = np.unique(np.concatenate([np.array(face) for face in faces]))
     return [np.searchsorted(vertices, face).tolist() for face in faces], vertices
+
+
+def _size(points: FloatArray) -> float:
+    """Root mean square distance from the centre, which makes equations of a small and of a long strip alike."""
+    return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
 
 
 def _spread(points: FloatArray) -> IntArray:
@@ -179,23 +194,30 @@ def _spread(points: FloatArray) -> IntArray:
     return np.array([a, b, c])
 
 
-def _filled(q: casadi.SX, corners: list[list[int]], seed_normals: FloatArray, filling: Filling) -> casadi.SX:
-    """Residuals of all quadrilaterals of a filling at the vertices q, (3, N)."""
-    normals: list[casadi.SX] = []
-    planes: list[casadi.SX] = []
+def _planes(q: casadi.SX, corners: list[list[int]]) -> list[casadi.SX]:
+    """Unit normal and distance from the origin, (1, 4), of every facet of a strip with vertices q, (3, N)."""
+    planes = []
     for face in corners:
         first, second, third, last = (q[:, v] for v in (face[0], face[1], face[2], face[-1]))
         quad = len(face) > 3
         normal = casadi.cross(third - first, last - second) if quad else casadi.cross(second - first, third - first)
-        normals.append(normal / casadi.norm_2(normal))
-        planes.append(casadi.horzcat(normals[-1].T, casadi.dot(normals[-1], first + second + third + last) / 4))
-    rows: list[casadi.SX] = []
-    for i, j, k, m in filling:
-        rows.append(casadi.det(casadi.vertcat(planes[i], planes[j], planes[k], planes[m])))
-        for a, b, c, d in ((i, j, k, m), (j, k, m, i)):
-            # Folds are equal, or together 180 degrees where an FL is opposite a CFL; planes do not know the difference
-            # but for the sides of their normals, which stay as they are in the seed.
-            product = float(seed_normals[a] @ seed_normals[b]) * float(seed_normals[c] @ seed_normals[d])
-            opposite = casadi.dot(normals[c], normals[d])
-            rows.append(casadi.dot(normals[a], normals[b]) - (opposite if product >= 0 else -opposite))
+        normal = normal / casadi.norm_2(normal)
+        planes.append(casadi.horzcat(normal.T, casadi.dot(normal, first + second + third + last) / 4))
+    return planes
+
+
+def _vertex(planes: list[casadi.SX], seed_normals: FloatArray, quadrilateral: Quadrilateral) -> casadi.SX:
+    """Residuals (3,) of a vertex that is not there: four planes through one point, two pairs of opposite folds."""
+    i, j, k, m = quadrilateral
+    rows = [casadi.det(casadi.vertcat(planes[i], planes[j], planes[k], planes[m]))]
+    for a, b, c, d in ((i, j, k, m), (j, k, m, i)):
+        # Folds are equal, or together 180 degrees where an FL is opposite a CFL; planes do not know the difference
+        # but for the sides of their normals, which stay as they are in the seed.
+        product = float(seed_normals[a] @ seed_normals[b]) * float(seed_normals[c] @ seed_normals[d])
+        sign = 1.0 if product >= 0 else -1.0
+        rows.append(_cosine(planes, a, b) - sign * _cosine(planes, c, d))
     return casadi.vertcat(*rows)
+
+
+def _cosine(planes: list[casadi.SX], a: int, b: int) -> casadi.SX:
+    return casadi.dot(planes[a][:, :3], planes[b][:, :3])

@@ -18,7 +18,7 @@ def hole_strips(pattern: Pattern) -> tuple[tuple[int, ...], ...]:
     """
     if pattern.n_holes == 0:
         return ()
-    loops = _boundary_loops(pattern)
+    loops = boundary_loops(pattern)
     loops.sort(key=len)
     outer = loops.pop()
     cuts = [_cut(pattern, loop, outer) for loop in loops]
@@ -37,7 +37,8 @@ def hole_strips(pattern: Pattern) -> tuple[tuple[int, ...], ...]:
     return tuple(_shortest(pattern, steps, cut, h, len(cuts)) for h, cut in enumerate(cuts))
 
 
-def _boundary_loops(pattern: Pattern) -> list[list[int]]:
+def boundary_loops(pattern: Pattern) -> list[list[int]]:
+    """Vertices along every border, with the facets on the left."""
     onward = dict(pattern.edges_vertices[pattern.edges_type == B].tolist())
     loops = []
     while onward:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inverse import geometry
 from inverse.kernels import Elements
@@ -91,12 +92,15 @@ class Constraint:
         lower: (N, k) lower bounds, -inf where there is none.
         upper: (N, k) upper bounds; where equal to ``lower`` the row is an equation.
         labels: name of each element for messages, for example ``vertex 12``.
+        implies_others: whether equations of other constraints follow from it, so that they have no multipliers of
+            their own.
     """
 
     elements: Elements
     lower: FloatArray
     upper: FloatArray
     labels: tuple[str, ...]
+    implies_others: bool = False
 
     @property
     def name(self) -> str:
@@ -107,6 +111,22 @@ class Constraint:
     def is_equation(self) -> bool:
         """Whether every row is an equation."""
         return bool((self.lower == self.upper).all())
+
+    def only(self, kept: NDArray[np.bool_], name: str | None = None) -> Constraint:
+        """The constraint on some elements only.
+
+        Args:
+            kept: (N,) which.
+            name: another name.
+        """
+        elements = replace(
+            self.elements,
+            name=name or self.name,
+            variables=self.elements.variables[kept],
+            parameters=self.elements.parameters[kept],
+        )
+        labels = tuple(label for label, keep in zip(self.labels, kept.tolist(), strict=True) if keep)
+        return replace(self, elements=elements, lower=self.lower[kept], upper=self.upper[kept], labels=labels)
 
 
 @dataclass(frozen=True, eq=False)

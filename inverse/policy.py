@@ -181,10 +181,10 @@ class Policy:
     def _run(self, step: str, rounds: Rounds) -> Solution:
         began = time.perf_counter()
         solution = rounds.run()
-        self.seconds["build"] += rounds.seconds_building
-        self.seconds["solve"] += time.perf_counter() - began - rounds.seconds_building
-        self.attempts += [{"step": step} | attempt for attempt in rounds.attempts]
-        if not rounds.attempts:
+        self.seconds["build"] += rounds.runs.seconds_building
+        self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
+        self.attempts += [{"step": step} | attempt for attempt in rounds.runs.attempts]
+        if not rounds.runs.attempts:
             self._record(step, INVALID_NUMBER)
         if self.attempts[-1]["ended"] == INVALID_NUMBER:
             self.not_a_number = solution.problem.not_a_number(solution.variables, solution.parameters)
@@ -228,7 +228,7 @@ class Policy:
         start = self._from_coarse(task, formulation.goal)
         rounds = Rounds(formulation, task.specification.solver, self.control, self._method, start)
         solution = rounds.run()
-        self.attempts += [{"step": "coarser grid"} | attempt for attempt in rounds.attempts]
+        self.attempts += [{"step": "coarser grid"} | attempt for attempt in rounds.runs.attempts]
         if self.control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
             return None  # the seed is better than what failed already
         points = own.points(solution.variables)

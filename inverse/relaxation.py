@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from inverse.assembly import Problem
 from inverse.attempt import Attempt
 from inverse.ipopt import Solver
-from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray
 
 MARGIN = 0.1  # bounds closer than this fraction of their width, or this number where they have one side, are kept
@@ -49,10 +47,12 @@ class LightSolver:
     n_rows: int
     solver: Solver
 
-    def approach(self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool) -> Attempt:
+    def approach(
+        self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool, settled: float
+    ) -> Attempt:
         """As :meth:`Solver.approach`, with parameters and multipliers of the whole problem."""
         own = self.relaxation.parameters(parameters)
-        return self._whole(self.solver.approach(start, own, limit, is_good=is_good))
+        return self._whole(self.solver.approach(start, own, limit, is_good=is_good, settled=settled))
 
     def run(
         self, start: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, limit: int, *, careful: bool
@@ -88,7 +88,7 @@ def relaxed(problem: Problem, variables: FloatArray, parameters: FloatArray) -> 
         count, k = constraint.lower.shape
         own = needed[start : start + count * k].reshape(count, k).any(axis=1)
         if own.any():
-            constraints.append(_only(constraint, own))
+            constraints.append(constraint.only(own))
         rows.append(start + np.flatnonzero(np.repeat(own, k)))
         if not constraint.is_equation:
             dropped, kept = dropped + int((~own).sum()), kept + int(own.sum())
@@ -96,12 +96,3 @@ def relaxed(problem: Problem, variables: FloatArray, parameters: FloatArray) -> 
     if kept > WORTHWHILE * (kept + dropped) or dropped == 0 or not constraints:
         return None
     return Relaxation(Problem(problem.n_variables, problem.objectives, constraints), np.concatenate(rows))
-
-
-def _only(constraint: Constraint, kept: NDArray[np.bool_]) -> Constraint:
-    if kept.all():
-        return constraint
-    elements = constraint.elements
-    labels = tuple(label for label, keep in zip(constraint.labels, kept.tolist(), strict=True) if keep)
-    some = replace(elements, variables=elements.variables[kept], parameters=elements.parameters[kept])
-    return Constraint(some, constraint.lower[kept], constraint.upper[kept], labels)

@@ -2,38 +2,30 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from inverse import constraints, geometry, nlopt_solver, objectives, verdict
+from inverse import constraints, nlopt_solver, objectives, verdict
 from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
-from inverse.attempt import GIVEN_UP, INVALID_NUMBER, Attempt, Progress
 from inverse.control import Control
 from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
-from inverse.ipopt import NEAR, Solver
+from inverse.ipopt import Solver
 from inverse.model import Constraint
 from inverse.pattern import FloatArray, IntArray
-from inverse.projection import polish
-from inverse.relaxation import LightSolver, relaxed
+from inverse.runs import Runs
 from inverse.spec import Solver as SolverKeys
 from inverse.strips import alike
 
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
-FAR = 1.0  # a run without bounds is given up when it leaves them by more than this
-APPROACHING, STATIC, PIVOTED = "linearized constraints", "static pivots", "pivoting"  # methods, for the report
-REDUCED = "SLSQP where all equations hold"
 CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
 
 Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
-Iterate = tuple[float, float, FloatArray]  # violation, objective, variables
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +56,6 @@ class Rounds:
         method: the solver, ipopt or nlopt.
         start: (n,) variables to start from instead of the seed, or None.
         multipliers: (R,) that belong to the start, where a solution is the start, or None.
-        attempts: how each run of the solver ended, for the report.
-        seconds_building: spent on the functions of problems.
     """
 
     formulation: Formulation
@@ -74,11 +64,11 @@ class Rounds:
     method: str
     start: FloatArray | None = None
     multipliers: FloatArray | None = None
-    attempts: list[dict[str, Any]] = field(default_factory=list)
-    seconds_building: float = 0.0
-    _round: int = 0
-    _feasible: Iterate = (np.inf, np.inf, np.empty(0))
-    _near: Iterate = (np.inf, np.inf, np.empty(0))
+
+    @cached_property
+    def runs(self) -> Runs:
+        """The runs of the solver, and what they did."""
+        return Runs(self.formulation.goal, self.options, self.control, self.method)
 
     def run(self) -> Solution:
         """Solve; where facets cross, keep them apart and solve again from the seed."""
@@ -90,7 +80,7 @@ class Rounds:
             solution = self._fitted(start, [separation] if separation else [])
             start = None
             more = np.unique(np.vstack([apart, self._crossing(solution.variables)]), axis=0)
-            if self.control.stopped or self._round >= MAX_ROUNDS or len(more) == len(apart):
+            if self.control.stopped or self.runs.round >= MAX_ROUNDS or len(more) == len(apart):
                 return solution
             apart = more
 
@@ -118,24 +108,24 @@ class Rounds:
         if start is not None:
             # A start may be less feasible than the seed; who stops early gets the better of both.
             value, _ = problem.objective_and_gradient(goal.seed_variables, problem.parameters())
-            self._feasible = (verdict.BOUND, value, goal.seed_variables)
+            self.runs.begin(goal.seed_variables, value)
         while True:
             seen.add(_segments(sliding))
             # The problem comes with closest points for the seed.
             parameters = problem.parameters(None if is_seed else objectives.refreshed(goal, aim))
-            self._round += 1
-            attempt = self._attempt(solver, problem, x, parameters, multipliers, is_seed=is_seed)
+            self.runs.round += 1
+            attempt = self.runs.attempt(solver, problem, x, parameters, multipliers, is_seed=is_seed)
             is_seed = False
             x, multipliers = attempt.variables, attempt.multipliers
             if self.control.stopped:
-                x = self._kept(problem, parameters)
+                x = self.runs.kept(problem, parameters)
             points = model.points(x)
             rms = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)))
-            self.attempts[-1]["fit_rms"] = rms
+            self.runs.attempts[-1]["fit_rms"] = rms
             history.append((rms, Solution(x, multipliers, problem, parameters)))
             fresh = problem.parameters(objectives.refreshed(goal, points))
             onward = [anchor.moved_on(points) for anchor in sliding]
-            if self._ends(attempt) or self._round >= MAX_ROUNDS or len(self._crossing(x)):
+            if self.runs.ends(attempt) or self.runs.round >= MAX_ROUNDS or len(self._crossing(x)):
                 return Solution(x, multipliers, problem, fresh)
             if _segments(onward) not in seen:
                 sliding, multipliers, history, aim, before = onward, None, [], points, None
@@ -152,99 +142,6 @@ class Rounds:
             aim = points if goal.target.has_kinks else _ahead(step, before)
             before = step
 
-    def _attempt(
-        self,
-        solver: Solver | nlopt_solver.Solver,
-        problem: Problem,
-        x: FloatArray,
-        parameters: FloatArray,
-        multipliers: FloatArray | None,
-        *,
-        is_seed: bool,
-    ) -> Attempt:
-        """One round: come near, then fast steps; where they stall, exact ones from the point that they reached.
-
-        From a good start bounds that are far from active are left out. What goes wrong without them, or leaves
-        them, is done again with all.
-        """
-        left = self.options.max_iterations
-        if isinstance(solver, nlopt_solver.Solver):
-            return self._recorded(solver.run(x, parameters, multipliers, left), REDUCED, False)
-        methods: tuple[str, ...] = (APPROACHING, STATIC) if multipliers is None else (STATIC,)
-        if problem.has_passive_variables:
-            # Static pivots come near there, but not to the end; linearized, packed states fly about.
-            methods = (STATIC,) if multipliers is None else ()
-        light = None if is_seed or not methods else self._light(problem, x, parameters)
-        for method in methods:
-            near = None
-            for one in (light, solver) if light else (solver,):
-                if method == APPROACHING:
-                    attempt = one.approach(x, parameters, left, is_good=not is_seed)
-                else:
-                    attempt = one.run(x, parameters, multipliers, left, careful=False)
-                self._recorded(attempt, method, one is light)
-                left -= attempt.iterations
-                if self._is_over(problem, attempt, parameters, left):
-                    return attempt
-                if attempt.status != GIVEN_UP and problem.violation(attempt.variables, parameters) <= NEAR:
-                    near, x, multipliers = one, attempt.variables, attempt.multipliers
-                    break
-            if method == APPROACHING and near is not light:
-                light = self._light(problem, x, parameters) if near else None
-        attempt = solver.run(x, parameters, multipliers, left, careful=True)
-        return self._recorded(attempt, PIVOTED, False)
-
-    def _is_over(self, problem: Problem, attempt: Attempt, parameters: FloatArray, left: int) -> bool:
-        solved = attempt.succeeded and problem.violation(attempt.variables, parameters) <= verdict.BOUND
-        return solved or self._ends(attempt) or left <= 0
-
-    def _ends(self, attempt: Attempt) -> bool:
-        """Whether there is nothing more to do: stopped, or a term without a value, which no solver mends."""
-        return self.control.stopped or attempt.status == INVALID_NUMBER
-
-    def _light(self, problem: Problem, x: FloatArray, parameters: FloatArray) -> LightSolver | None:
-        """A solver without the bounds that are far from active, if there are enough of them."""
-        relaxation = relaxed(problem, x, parameters)
-        if relaxation is None:
-            return None
-
-        model = self.formulation.goal.model
-
-        def report(progress: Progress) -> bool:
-            # Sector angles have no sign: without its bounds a facet may turn over and satisfy them again.
-            if not geometry.are_convex(model.pattern, model.points(progress.variables)):
-                return False
-            whole = problem.violation(progress.variables, parameters)
-            return self._report(replace(progress, violation=whole)) and whole <= FAR
-
-        return LightSolver(relaxation, problem.n_rows, self._solver(relaxation.problem, report))
-
-    def _recorded(self, attempt: Attempt, method: str, is_light: bool) -> Attempt:
-        self.attempts.append(
-            {
-                "facets": self._facets,
-                "round": self._round,
-                "method": f"{self.method}, {method}" + (", without idle bounds" if is_light else ""),
-                "ended": attempt.status,
-                "iterations": attempt.iterations,
-                "seconds": attempt.seconds,
-                "seconds_functions": attempt.seconds_functions,
-            }
-        )
-        return attempt
-
-    def _kept(self, problem: Problem, parameters: FloatArray) -> FloatArray:
-        """The best design so far: an iterate that a polish makes feasible, else the best that was so itself."""
-        polished = polish(problem, self._near[2], parameters)
-        goal = self.formulation.goal
-        if goal.packed:
-            polished = goal.start(goal.model.points(polished))  # boxes around the states that have moved
-        return polished if problem.violation(polished, parameters) <= verdict.BOUND else self._feasible[2]
-
-    @property
-    def _facets(self) -> int:
-        return len(self.formulation.goal.model.pattern.faces_vertices)
-
     def _crossing(self, x: FloatArray) -> IntArray:
         """Pairs of facets that cross, and those like them."""
         model = self.formulation.goal.model
@@ -257,29 +154,7 @@ class Rounds:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
         problem = Problem(goal.n_variables, self.formulation.objectives, terms)
-        if self.method == "ipopt":
-            return problem, self._solver(problem, self._report)
-        _, gradient = problem.objective_and_gradient(goal.seed_variables, problem.parameters())
-        steepness = float(np.abs(gradient).max())
-        return problem, nlopt_solver.Solver(problem, self.options.tolerance, steepness, self._report)
-
-    def _solver(self, problem: Problem, report: Callable[[Progress], bool]) -> Solver:
-        began = time.perf_counter()
-        problem.functions  # noqa: B018  built here, to be told apart from solving
-        self.seconds_building += time.perf_counter() - began
-        return Solver(problem, self.options.tolerance, self.formulation.goal.model.refinement, report)
-
-    def _report(self, progress: Progress) -> bool:
-        """Keep the best iterates; False stops the solver."""
-        self._feasible = _better(self._feasible, progress, verdict.BOUND)
-        self._near = _better(self._near, progress, NEAR)
-        return self.control.tell(f"{self._facets} facets, round {self._round}", progress)
-
-
-def _better(best: Iterate, progress: Progress, tolerated: float) -> Iterate:
-    """The better of two iterates: violations below what is tolerated do not count, then the objective does."""
-    rank = (max(progress.violation, tolerated), progress.objective)
-    return (*rank, progress.variables) if rank < best[:2] else best
+        return problem, self.runs.solver(problem)
 
 
 def _ahead(step: Step, before: Step | None) -> FloatArray:

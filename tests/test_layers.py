@@ -46,22 +46,34 @@ ARROWS: dict[str, set[str]] = {
     "packed": {"pattern", "footprint", "kernels", "model", "packed_state"},
     "constraints": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "objectives": {"errors", "pattern", "geometry", "kernels", "model", "packed", "target", "placement"},
-    "cylinder_loop": {"errors", "pattern", "geometry", "kernels", "model", "target"},
+    "fillings": set(),
+    "cylinder_loop": {"errors", "pattern", "geometry", "holes", "fillings", "kernels", "model", "constraints"},
     "assembly": {"errors", "pattern", "kernels", "model"},
     "attempt": {"pattern"},
     "control": {"attempt"},
-    "ipopt": {"errors", "pattern", "assembly", "attempt"},
+    "redundancy": {"pattern", "assembly"},
+    "ipopt": {"errors", "pattern", "assembly", "attempt", "redundancy"},
     "projection": {"pattern", "assembly"},
     "refine": {"errors", "pattern", "geometry", "kernels", "model", "constraints", "assembly", "projection"},
     "chart": {"pattern", "assembly"},
     "nlopt_solver": {"pattern", "assembly", "attempt", "chart"},
-    "relaxation": {"pattern", "model", "assembly", "attempt", "ipopt"},
+    "relaxation": {"pattern", "assembly", "attempt", "ipopt"},
     "verdict": {"pattern", "geometry", "crossing", "footprint", "packed", "objectives", "assembly", "target"},
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
 # What a specification means, then how it is solved: these stand on everything above.
-ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "chart", "nlopt_solver", "refine", "verdict", "certify"}
+ARROWS["formulate"] = set(ARROWS) - {
+    "assembly",
+    "redundancy",
+    "ipopt",
+    "chart",
+    "nlopt_solver",
+    "refine",
+    "verdict",
+    "certify",
+}
 ARROWS["coarse"] = {"pattern", "spec"}
+ARROWS["runs"] = set(ARROWS) - {"certify"}
 ARROWS["rounds"] = set(ARROWS) - {"certify"}
 ARROWS["statuses"] = set()
 ARROWS["policy"] = set(ARROWS)
