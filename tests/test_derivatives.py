@@ -14,11 +14,12 @@ from functools import cache
 import casadi
 import numpy as np
 import pytest
-from designs import assert_close, hybrid, polygonal, rotation, tube
+from designs import assert_close, holed, hybrid, polygonal, rotation, tube
 
 import inverse
-from inverse import anchors, constraints, objectives
+from inverse import anchors, constraints, cylinder_loop, objectives
 from inverse.assembly import Problem
+from inverse.holes import hole_strips
 from inverse.kernels import Kernel
 from inverse.model import Constraint, DesignModel
 from inverse.objectives import OBJECTIVES, Goal
@@ -249,6 +250,22 @@ def test_constraints(mesh: str, term: str) -> None:
 def test_packed_states_of_a_tube() -> None:
     term = "packed states"
     assert_derivatives(together(DesignModel(tube()), {term: CONSTRAINTS[term]}), term)
+
+
+CLOSED: dict[str, Callable[[], Design]] = {"tube": lambda: tube(6), "hole": holed}
+
+
+@pytest.mark.parametrize("mesh", CLOSED)
+def test_closed_strips(mesh: str) -> None:
+    model = DesignModel(CLOSED[mesh]())
+    (strip,) = hole_strips(model.pattern)
+    terms: dict[str, Callable[[DesignModel], list[Constraint]]] = {
+        "exact": lambda model: cylinder_loop.exact(model, "exact", strip),
+        "bars": lambda model: [cylinder_loop.bars(model, "bars", strip)],
+    }
+    task = together(model, terms)
+    for term in terms:
+        assert_derivatives(task, term)
 
 
 @pytest.mark.parametrize("goal", GOALS)
