@@ -33,6 +33,30 @@ def redundant(problem: Problem, x: FloatArray, parameters: FloatArray) -> IntArr
     return np.delete(equations, independent(jacobian[equations].toarray()))
 
 
+def dependence(problem: Problem, x: FloatArray, parameters: FloatArray) -> dict[str, float]:
+    """What is told about the equations at x, where some follow from others.
+
+    Args:
+        problem: the problem.
+        x: (n,) variables.
+        parameters: of the problem.
+
+    Returns:
+        ``rows`` of equations; their ``rank``; ``freedom``, how many variables they leave free, moves of the whole
+        included; ``condition``, the ratio of the largest singular value of their Jacobian to the smallest but zero.
+    """
+    equations = np.flatnonzero(problem.lower == problem.upper)
+    _, jacobian = problem.rows_and_jacobian(x, parameters)
+    rank = len(independent(jacobian[equations].toarray()))
+    sizes = np.linalg.svd(jacobian[equations].toarray(), compute_uv=False)
+    return {
+        "rows": len(equations),
+        "rank": rank,
+        "freedom": problem.n_variables - rank,
+        "condition": float(sizes[0] / sizes[rank - 1]),
+    }
+
+
 def independent(jacobian: FloatArray) -> IntArray:
     """Rows of a Jacobian that span all of them, as far from dependent as a pivoted factorization finds.
 

@@ -17,6 +17,7 @@ from inverse.formulate import Formulation, formulate
 from inverse.objectives import Goal
 from inverse.pattern import Design, FloatArray
 from inverse.policy import Outcome, Policy, reasons
+from inverse.redundancy import dependence
 from inverse.spec import Loaded
 
 
@@ -146,17 +147,19 @@ def _ending(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
 def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
     goal, design = policy.formulation.goal, outcome.design
     problem, parameters = outcome.solution.problem, outcome.solution.parameters
+    own = outcome.solution.variables, parameters
     return {
         "converged": outcome.converged,
         "certified": outcome.certificate.certified,
         "fit": verdict.fit(goal, design),
         "coverage": verdict.coverage(goal, design),
         "footprint": verdict.footprint(goal, outcome.solution.variables),
-        "objective": problem.objective_terms(outcome.solution.variables, parameters),
+        "objective": problem.objective_terms(*own),
         "verdict": outcome.judgement,
         "iterations": sum(attempt["iterations"] for attempt in policy.attempts),
         "attempts": policy.attempts,
         "reached": policy.reached,
+        "equations": dependence(problem, *own) if problem.has_redundant_equations else None,
         "size": {
             "facets": len(design.pattern.faces_vertices),
             "variables": problem.n_variables,

@@ -54,6 +54,20 @@ def test_closure_at_the_nodes_alone_finds_the_gap(monkeypatch, tmp_path):
     assert 0.2 * everywhere < at_nodes <= everywhere
 
 
+@pytest.mark.parametrize("section", SECTIONS)
+def test_a_loop_tells_its_states_and_how_gaps_may_grow_between_them(section, tmp_path):
+    k = len(SECTIONS[section])
+    (loop,) = verdict(fold_file.document(opened_tube(SECTIONS[section], 2, 1e-3)), tmp_path).loops
+    assert loop.states == k + 1
+    assert loop.gap == max(loop.gap_at_states, loop.gap_between) > 1e-5
+    # A polynomial of degree k that is 1 or -1 at every node, drawn through the nodes by least squares.
+    nodes, between = np.pi * np.arange(k + 1) / (k + 1), np.linspace(0, np.pi, 4001)
+    powers = [np.stack([np.cos(t) ** (k - i) * np.sin(t) ** i for i in range(k + 1)], axis=1) for t in (nodes, between)]
+    through = powers[1] @ np.linalg.inv(powers[0])
+    assert loop.conditioning == pytest.approx(np.abs(through).sum(axis=1).max(), rel=0.02)
+    assert 1 < loop.conditioning < 2.5
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_a_strip_that_winds_is_a_strip_whatever_the_numbering(seed, tmp_path):
     doc = fold_file.document(seeds.tube(SIX_GON, 4))

@@ -19,7 +19,7 @@ from inverse.fold_format import frame_of
 from inverse.holes import hole_strips
 from inverse.model import DesignModel
 from inverse.pattern import FL, Design, FloatArray
-from inverse.redundancy import independent, redundant
+from inverse.redundancy import dependence, independent, redundant
 
 HOLES: dict[str, Callable[[], Design]] = {
     "one facet of a Miura": lambda: holed(miura, 5),
@@ -123,6 +123,9 @@ def test_dimension_of_tubes(k: int, rows: int) -> None:
         assert len(left_out) == problem.n_rows - found == 3 * (rows - 1)
         kept = np.setdiff1d(np.arange(problem.n_rows), left_out)
         assert rank(jacobian_of(problem, x)[kept]) == len(kept)
+        told = dependence(problem, x, problem.parameters())
+        assert (told["rows"], told["rank"], told["freedom"]) == (problem.n_rows, found, 3 * rows + 7 * k // 2)
+        assert 1 < told["condition"] < 1e3
 
 
 @pytest.mark.parametrize("name", HOLES)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 # Names, limits and units of the checks, in the order in which they are reported. Every value must stay at or
@@ -74,12 +74,23 @@ class Loop:
     """A closed strip of facets around a hole, on which closure was measured.
 
     Attributes:
-        facets: the facets in order; the last shares an edge with the first.
-        gap: largest gap over all nodes, relative to the diagonal.
+        facets: the facets in order, k of them; the last shares an edge with the first.
+        states: k + 1, the states at which the strip must be closed to be so in all.
+        gap_at_states: largest gap there, relative to the diagonal.
+        gap_between: largest gap at other states, which check the argument.
+        conditioning: factor by which gaps at the k + 1 states may grow between them.
     """
 
     facets: tuple[int, ...]
-    gap: float
+    states: int
+    gap_at_states: float
+    gap_between: float
+    conditioning: float
+
+    @property
+    def gap(self) -> float:
+        """Largest gap of all."""
+        return max(self.gap_at_states, self.gap_between)
 
 
 @dataclass(frozen=True)
@@ -123,5 +134,5 @@ class Certificate:
             "topology": self.topology,
             "n_holes": self.n_holes,
             "faults": list(self.faults[:MAX_LISTED_FAULTS]),
-            "loops": [{"facets": list(loop.facets), "gap": loop.gap} for loop in self.loops],
+            "loops": [asdict(loop) | {"facets": list(loop.facets), "gap": loop.gap} for loop in self.loops],
         }

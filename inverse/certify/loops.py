@@ -126,8 +126,9 @@ def closure(motion: Motion, strips: tuple[Strip, ...]) -> tuple[Measured, tuple[
         gap = turn + 2 * shift
         if not np.isfinite(gap).all():
             return (None, "the motion is not defined"), ()
-        k = int(gap.argmax())
-        loops.append(Loop(tuple(facets.tolist()), float(gap[k])))
+        k, n = int(gap.argmax()), len(nodes)
+        at_nodes, others = float(gap[:n].max()), float(gap[n:].max(initial=0.0))
+        loops.append(Loop(tuple(facets.tolist()), n, at_nodes, others, _conditioning(n)))
         if gap[k] > worst or hole == 0:
             worst = float(gap[k])
             where = (
@@ -135,3 +136,10 @@ def closure(motion: Motion, strips: tuple[Strip, ...]) -> tuple[Measured, tuple[
                 f" at t = {180 - (180 - np.degrees(2 * theta[k])) % 360:.1f} degrees"
             )
     return (worst, where), tuple(loops)
+
+
+def _conditioning(n: int) -> float:
+    """Lebesgue constant of n nodes equispaced on the projective line, for polynomials of degree n - 1."""
+    from_node = np.pi * (np.arange(8 * n) + 0.5) / (8 * n)
+    distance = from_node[:, None] - np.pi * np.arange(n) / n
+    return float(np.abs(np.sin(n * distance) / (n * np.sin(distance))).sum(axis=1).max())
