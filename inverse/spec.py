@@ -27,7 +27,7 @@ from inverse.fields import (
     word,
 )
 from inverse.spec_footprint import Footprint, FootprintLimits
-from inverse.spec_pattern import FilePattern, GridPattern, Pattern
+from inverse.spec_pattern import FilePattern, GridPattern, Pattern, TubePattern
 from inverse.spec_target import BetweenTarget, HeightTarget, MeshTarget, Target
 from inverse.validation import validate
 from inverse.words import did_you_mean
@@ -52,6 +52,7 @@ __all__ = [
     "Plane",
     "Solver",
     "Specification",
+    "TubePattern",
     "from_mapping",
     "load",
 ]
@@ -155,6 +156,17 @@ class Constraints(Model):
         description="limits [low, high] of every edge, as factors of its length in the seed",
     )
     anchors: tuple[Anchor, ...] = Field(default=(), description="vertices that are held somewhere")
+    loop: (
+        Annotated[
+            Literal["exact", "bars"],
+            word("loop", {"exact": "closes through the motion", "bars": "one strip keeps its shape"}),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="how a tube is kept closed: exact (one strip closes through the whole motion; the default) or bars"
+        " (one strip keeps the seed's shape)",
+    )
     keep_out: tuple[KeepOut, ...] = Field(default=(), description="half-spaces that the design stays out of")
     footprint: FootprintLimits | None = Field(default=None, description="the box that a state has to fit into")
 
@@ -182,7 +194,7 @@ class Specification(Model):
         Literal["unit", "m", "cm", "mm", "um", "nm", "in"],
         word("unit", {"unit": "none", "m": "", "cm": "", "mm": "", "um": "", "nm": "", "in": "inches"}),
     ] = Field(default="m", description="unit of every length: unit (none), m, cm, mm, um, nm or in")
-    pattern: Pattern = Field(description="the pattern and its seed, of kind grid or file")
+    pattern: Pattern = Field(description="the pattern and its seed, of kind grid, tube or file")
     context: Context | None = Field(default=None, description="the buildings around, if there are any")
     target: Target = Field(description="the target surface, by exactly one of mesh, height and between")
     fit: Fit = Field(default=Fit(), description="what is fitted to the target")

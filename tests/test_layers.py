@@ -35,7 +35,7 @@ ARROWS: dict[str, set[str]] = {
     "yaml_data": {"errors"},
     "yaml_source": {"errors", "words", "yaml_data"},
     "validation": {"errors", "words", "fields", "yaml_data", "yaml_source"},
-    "spec_pattern": {"words", "fields"},
+    "spec_pattern": {"errors", "words", "fields", "seeds"},
     "spec_target": {"errors", "fields", "target"},
     "spec_footprint": {"words", "fields"},
     "spec": {"errors", "words", "fields", "validation", "yaml_source", "spec_footprint", "spec_pattern", "spec_target"},
