@@ -8,6 +8,7 @@ vertex is a Miura or a Voss vertex as the types of its two lines say.
 from __future__ import annotations
 
 from collections.abc import Sequence
+
 import numpy as np
 
 from inverse.crossing import crossing_facets

@@ -6,9 +6,9 @@ import os.path
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
 from inverse import yaml_source
 from inverse.fields import (
@@ -28,7 +28,7 @@ from inverse.fields import (
 )
 from inverse.spec_footprint import Footprint, FootprintLimits
 from inverse.spec_pattern import FilePattern, GridPattern, Pattern, TubePattern
-from inverse.spec_target import BetweenTarget, HeightTarget, MeshTarget, Target
+from inverse.spec_target import BetweenTarget, HeightTarget, MeshTarget, Target, TubeTarget
 from inverse.validation import validate
 from inverse.words import did_you_mean
 from inverse.yaml_source import Source
@@ -53,6 +53,7 @@ __all__ = [
     "Solver",
     "Specification",
     "TubePattern",
+    "TubeTarget",
     "from_mapping",
     "load",
 ]
@@ -80,7 +81,8 @@ class Fit(Model):
         ),
     ] = Field(
         default="facets",
-        description="facets (their centroids), layer (every second vertex both ways) or vertices (all)",
+        description="facets (their centroids; of tubes the rings of facets), layer (every second vertex both ways) or"
+        " vertices (all)",
     )
 
 
@@ -196,7 +198,7 @@ class Specification(Model):
     ] = Field(default="m", description="unit of every length: unit (none), m, cm, mm, um, nm or in")
     pattern: Pattern = Field(description="the pattern and its seed, of kind grid, tube or file")
     context: Context | None = Field(default=None, description="the buildings around, if there are any")
-    target: Target = Field(description="the target surface, by exactly one of mesh, height and between")
+    target: Target = Field(description="the target surface, by exactly one of mesh, height, between and axis")
     fit: Fit = Field(default=Fit(), description="what is fitted to the target")
     objectives: dict[str, Annotated[Number, Field(ge=0)]] = Field(
         default_factory=dict, description="weights of objective terms by their names, each at least 0"
@@ -204,6 +206,21 @@ class Specification(Model):
     footprint: Footprint = Field(default=Footprint(), description="what the objective footprint makes small")
     constraints: Constraints = Field(default=Constraints(), description="what must hold")
     solver: Solver = Field(default=Solver(), description="how the problem is solved")
+
+    @model_validator(mode="after")
+    def _check_tube(self) -> Self:
+        has_axis = isinstance(self.target, TubeTarget)
+        if isinstance(self.pattern, TubePattern) and not has_axis:
+            raise refusal(
+                "a tube needs a target around an axis",
+                "For example axis: {polyline: [[0, 0, 0], [0, 0, 10]]} with radius: 1.",
+                key="target",
+            )
+        if isinstance(self.pattern, GridPattern) and has_axis:
+            raise refusal("a grid has no rings to lie around an axis", "Write kind: tube.", key="pattern")
+        if has_axis and self.fit.points != "facets":
+            raise refusal("of a tube the rings of facets are fitted, so the points are facets", key="fit")
+        return self
 
     @property
     def packs(self) -> bool:

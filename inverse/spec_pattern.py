@@ -121,6 +121,7 @@ class TubePattern(Model):
     lengths_v: tuple[Positive, ...] | None = Field(
         default=None, description="relative lengths of the rows along the tube, all 1 if not given"
     )
+    turn: Number = Field(default=0.0, description="turn of the placed seed about its axis, degrees")
 
     @property
     def steps(self) -> seeds.Section:

@@ -45,7 +45,8 @@ ARROWS: dict[str, set[str]] = {
     "packed_state": {"pattern", "folding", "kernels", "model"},
     "packed": {"pattern", "footprint", "kernels", "model", "packed_state"},
     "constraints": {"errors", "pattern", "geometry", "kernels", "model", "target"},
-    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "packed", "target", "placement"},
+    "tube_fit": {"pattern", "geometry", "kernels", "model", "target"},
+    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "packed", "target", "placement", "tube_fit"},
     "cylinder_loop": {"errors", "pattern", "geometry", "kernels", "model", "target"},
     "assembly": {"errors", "pattern", "kernels", "model"},
     "attempt": {"pattern"},
@@ -56,9 +57,20 @@ ARROWS: dict[str, set[str]] = {
     "chart": {"pattern", "assembly"},
     "nlopt_solver": {"pattern", "assembly", "attempt", "chart"},
     "relaxation": {"pattern", "model", "assembly", "attempt", "ipopt"},
-    "verdict": {"pattern", "geometry", "crossing", "footprint", "packed", "objectives", "assembly", "target"},
+    "verdict": {
+        "pattern",
+        "geometry",
+        "crossing",
+        "footprint",
+        "packed",
+        "objectives",
+        "assembly",
+        "target",
+        "tube_fit",
+    },
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
+ARROWS["verdict"] |= {"tube_fit"}
 # What a specification means, then how it is solved: these stand on everything above.
 ARROWS["formulate"] = set(ARROWS) - {"assembly", "ipopt", "chart", "nlopt_solver", "refine", "verdict", "certify"}
 ARROWS["coarse"] = {"pattern", "spec"}
@@ -78,7 +90,17 @@ LEAVES = {"__init__", "__main__", "app", "cli", "fabricate", "pictures", "report
 # Heavy libraries and who may import them.
 LIBRARIES = {
     "casadi": {
-        *("kernels", "model", "target", "packed", "packed_state", "constraints", "objectives", "cylinder_loop"),
+        *(
+            "kernels",
+            "model",
+            "target",
+            "packed",
+            "packed_state",
+            "constraints",
+            "objectives",
+            "cylinder_loop",
+            "tube_fit",
+        ),
         *("assembly", "ipopt", "solve", "refine"),
     },
     "nlopt": {"nlopt_solver"},

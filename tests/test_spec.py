@@ -154,15 +154,15 @@ FULL: list[dict[str, Any]] = [
         "name": "tube",
         "pattern": {
             "kind": "tube", "size": [4, 3], "section": [[1, 1, 2], [1, -1, 1.5], [-1, -1, 2], [-1, 1, 1.5]],
-            "lengths_v": [1, 2, 1],
+            "lengths_v": [1, 2, 1], "turn": -30,
         },
-        "target": {"mesh": "a.obj"},
+        "target": {"axis": {"polyline": [[0, 0, 0], [0, 0, 4]]}, "radius": 1},
         "constraints": {"loop": "bars"},
     },
     {
         "name": "plus",
         "pattern": {"kind": "tube", "size": [12, 8], "section": "plus", "sector_angle": 65, "fold_state": 0.5},
-        "target": {"mesh": "a.obj"},
+        "target": {"axis": {"arc": [[0, 0, 0], [1, 0, 1], [2, 0, 0]]}, "radius": [[0, 1], [0.5, 1.2], [1, 1]]},
         "constraints": {"loop": "exact"},
     },
 ]  # fmt: skip

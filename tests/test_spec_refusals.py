@@ -28,7 +28,7 @@ def refusal(tmp_path: Path) -> Any:
 
 
 LINES = "is no line type: allowed are FL (foldline), CFL (complementary foldline)."
-TARGETS = "mesh, height, between"
+TARGETS = "mesh, height, between, axis"
 PLACES = "point, polyline, plane, circle"
 UNITS = "unit (none), m, cm, mm, um, nm, in (inches)"
 TO = "{polyline: [[0, 0, 0], [1, 0, 0]]}"
@@ -59,7 +59,7 @@ UNKNOWN_KEYS = [
     (
         "{height:",
         "{|hieght:",
-        f'"hieght" is no key of target: allowed are {TARGETS}, domain, profile, rise. Did you mean height?',
+        f'"hieght" is no key of target: allowed are {TARGETS}, domain, profile, radius, rise. Did you mean height?',
     ),
     (
         "side: u0,",
