@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from inverse import anchors, constraints, fold_file, objectives, placement, seeds
+from inverse import anchors, constraints, cylinder_loop, fold_file, holes, objectives, placement, seeds, tube_fit
 from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
 from inverse.model import Constraint, DesignModel, Objective
@@ -16,8 +16,9 @@ from inverse.objectives import Goal
 from inverse.packed import Measure, Packed
 from inverse.pattern import Design, FloatArray
 from inverse.spec import BetweenTarget as BetweenKeys
-from inverse.spec import FilePattern, Loaded
+from inverse.spec import FilePattern, Loaded, TubePattern
 from inverse.spec import HeightTarget as HeightKeys
+from inverse.spec import TubeTarget as TubeKeys
 from inverse.spec_footprint import FootprintLimits, State, radians
 from inverse.target import Target
 
@@ -73,7 +74,8 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     fixed = constraints.hard_constraints(model, bounds)
     anchored, sliding = anchors.build(loaded, model)
     packed = [constraint for state in goal.packed for constraint in state.constraints()]
-    return Formulation(goal, terms, [*fixed, *anchored, *_keep_outs(loaded, model), *packed], sliding)
+    loops = _loops(loaded, model)
+    return Formulation(goal, terms, [*fixed, *loops, *anchored, *_keep_outs(loaded, model), *packed], sliding)
 
 
 def build_target(loaded: Loaded) -> Target:
@@ -93,9 +95,26 @@ def build_target(loaded: Loaded) -> Target:
 
         curves = [np.array(curve) for curve in keys.between]
         return _within(loaded, ("target", "rise"), lambda: BetweenTarget(curves, keys.rise, keys.profile))
+    if isinstance(keys, TubeKeys):
+        return _tube_target(loaded, keys)
     from inverse.target.mesh import read_mesh
 
     return _within(loaded, ("target", "mesh"), lambda: read_mesh(loaded.folder / keys.mesh))
+
+
+def _tube_target(loaded: Loaded, keys: TubeKeys) -> Target:
+    """A tube around an axis."""
+    from inverse.target.axis import Axis, arc
+    from inverse.target.tube import TubeTarget
+
+    def axis() -> Axis:
+        if keys.axis.arc is not None:
+            return arc(*keys.axis.arc)
+        points = keys.axis.spline or keys.axis.polyline or ()
+        return Axis(points, smooth=keys.axis.spline is not None)
+
+    found = _within(loaded, ("target", "axis"), axis)
+    return _within(loaded, ("target", "radius"), lambda: TubeTarget(found, np.array(keys.radius)))
 
 
 def build_seed(loaded: Loaded, target: Target) -> Design:
@@ -106,6 +125,19 @@ def build_seed(loaded: Loaded, target: Target) -> Design:
         seed = fold_file.read(loaded.folder / pattern.file)
         seed = Design(seed.pattern, seed.vertices_coords, unit, name)
         return seed if pattern.keep_position else placement.place_file(seed, target.frame, pattern.turn)
+
+    if isinstance(pattern, TubePattern):
+        steps, lengths = pattern.steps, pattern.lengths_v
+
+        def make_tube(factor: float, rows: FloatArray) -> Design:
+            return seeds.tube(
+                [(n, a, factor * length) for n, a, length in steps], pattern.size[1],
+                sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state, lengths=rows,
+                unit=unit, name=name,
+            )  # fmt: skip
+
+        rows = np.ones(pattern.size[1]) if lengths is None else np.array(lengths)
+        return placement.place_tube(make_tube, target.frame, lengths=rows, turn=float(np.radians(pattern.turn)))
 
     def make(lengths_u: FloatArray, lengths_v: FloatArray) -> Design:
         return seeds.grid(
@@ -118,6 +150,27 @@ def build_seed(loaded: Loaded, target: Target) -> Design:
         make, pattern.size, target.frame,
         lengths=(pattern.lengths_u, pattern.lengths_v), turn=pattern.turn, start_size=pattern.start_size,
     )  # fmt: skip
+
+
+def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:
+    """One strip around every hole that closes through the whole motion, or keeps its shape."""
+    pattern = model.pattern
+    if pattern.n_holes == 0:
+        return []
+    bars = loaded.specification.constraints.loop == "bars"
+    if tube_fit.is_tube(pattern):
+        rings = tube_fit.ring_facets(pattern)
+        # The paper keeps the strip along one end; in the middle the exact condition is best conditioned.
+        strips: tuple[tuple[int, ...], ...] = (tuple(rings[0 if bars else len(rings) // 2].tolist()),)
+    else:
+        strips = holes.hole_strips(pattern)
+    if bars:
+        return [cylinder_loop.bars(model, f"loop_{h}", strip) for h, strip in enumerate(strips)]
+    return _within(
+        loaded,
+        ("constraints", "loop") if loaded.specification.constraints.loop else ("pattern",),
+        lambda: [term for h, strip in enumerate(strips) for term in cylinder_loop.exact(model, f"loop_{h}", strip)],
+    )
 
 
 def _keep_outs(loaded: Loaded, model: DesignModel) -> list[Constraint]:

@@ -10,13 +10,14 @@ from typing import Literal
 import casadi
 import numpy as np
 
-from inverse import geometry, placement
+from inverse import geometry, placement, tube_fit
 from inverse.errors import InputError
 from inverse.kernels import Elements, Kernel
 from inverse.model import DesignModel, Objective
 from inverse.packed import Packed
 from inverse.pattern import B, FloatArray, IntArray
 from inverse.target import Target
+from inverse.target.tube import TubeTarget
 
 # Of the coverage: sixteenths of the model that a rim facet may move freely, factors of the pull within and beyond.
 SLACK, WEAK, STRONG = 0.5, 0.3, 3.0
@@ -54,6 +55,11 @@ class Goal:
         """Variables (n_variables,) of a design with vertices (V, 3) in the seed's unit; packed states are folded."""
         own = self.model.to_dimensionless(points)
         return np.concatenate([own.ravel(), *(state.start(own) for state in self.packed)])
+
+    @property
+    def tube(self) -> TubeTarget | None:
+        """The target where rings of facets around its axis are fitted, else None."""
+        return self.target if isinstance(self.target, TubeTarget) and tube_fit.is_tube(self.model.pattern) else None
 
     @property
     def is_exact(self) -> bool:
@@ -151,6 +157,8 @@ def fit(goal: Goal) -> list[Elements]:
     Distances are in sixteenths of the model, like all lengths here (``DesignModel.refinement``).
     """
     model = goal.model
+    if goal.tube is not None:
+        return tube_fit.fit(model, goal.tube)
     blocks: list[Elements] = []
     for group in fit_vertices(model, goal.fit_points):
         k = group.shape[1]
@@ -187,6 +195,8 @@ def refreshed(goal: Goal, points: FloatArray) -> dict[str, FloatArray]:
     """New closest points for vertices ``points`` (V, 3), by name of the fit's elements; empty for exact targets."""
     if goal.is_exact:
         return {}
+    if goal.tube is not None:
+        return {"fit": tube_fit.foot_parameters(goal.model, goal.tube, points)}
     groups = fit_vertices(goal.model, goal.fit_points)
     names = ["fit", *(f"fit_{group.shape[1]}" for group in groups[1:])]
     return {
@@ -203,6 +213,8 @@ def coverage(goal: Goal) -> list[Elements]:
     """
     model = goal.model
     pattern = model.pattern
+    if goal.tube is not None:
+        return tube_fit.coverage(model, goal.tube)
     rim = np.unique(pattern.edges_faces[pattern.edges_type == B, 0])
     blocks: list[Elements] = []
     for sides in sorted({len(pattern.faces_vertices[f]) for f in rim}):
@@ -229,12 +241,21 @@ def fairness(goal: Goal) -> list[Elements]:
     number of facets.
     """
     model = goal.model
-    triples = [(line[k - 2], line[k], line[k + 2]) for line in model.pattern.lines for k in range(2, len(line) - 2)]
+    triples = [triple for line in model.pattern.lines for triple in _every_second(line)]
     vertices = np.array(triples, np.int64).reshape(-1, 3)
     a, b, c = model.seed_points[vertices].transpose(1, 0, 2)
     # The difference is a length, the distance squared: one factor of the refinement is left.
     kernel = Kernel("fairness", lambda q, p: model.refinement * (q[:3] - 2 * q[3:6] + q[6:] - p), 9, 3)
     return [Elements("fairness", kernel, model.variables_of(vertices), a - 2 * b + c)] if triples else []
+
+
+def _every_second(line: tuple[int, ...]) -> list[tuple[int, int, int]]:
+    """Vertices two apart along a line; around a closed one, which repeats its first vertex, without an end."""
+    if line[0] != line[-1]:
+        return [(line[k - 2], line[k], line[k + 2]) for k in range(2, len(line) - 2)]
+    n = len(line) - 1
+    # Of four vertices around, the one before and the one after are the same.
+    return [(line[k - 2], line[k], line[(k + 2) % n]) for k in range(n)] if n > 4 else []
 
 
 @objective("evenness", default_weight=6e-5)

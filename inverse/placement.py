@@ -53,6 +53,47 @@ def place_grid(
     return seed.moved_to(placed(seed, frame, turn))
 
 
+def place_tube(
+    make: Callable[[float, FloatArray], Design],
+    frame: Frame,
+    *,
+    lengths: FloatArray,
+    turn: float = 0.0,
+) -> Design:
+    """A tube seed along the chord of a target's axis, as long as the axis and as wide as the tube in the mean.
+
+    Args:
+        make: builds the seed, which runs along z, from a factor of its section and the lengths of its rows.
+        frame: plan of the target: x along the chord, its extent the length of the axis and the mean width.
+        lengths: (n,) of the rows up to a factor.
+        turn: of the seed about its axis, radians.
+
+    Returns:
+        The placed seed.
+    """
+    length, width = frame.extent
+    seed = make(1.0, lengths)
+    middle, radius = _tube_axis(seed)
+    factors = width / 2 / radius, length / float(np.ptp(seed.vertices_coords[:, 2]))
+    seed = make(factors[0], lengths * factors[1])
+    middle, _ = _tube_axis(seed)
+    # The rows zigzag along the seed's y, which is easiest to bend: in the plane of the axis.
+    c, s = np.cos(turn), np.sin(turn)
+    points = (seed.vertices_coords - middle) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    along, bulge, side = frame.axes
+    return seed.moved_to(points @ np.stack([-side, bulge, along]) + frame.origin)
+
+
+def _tube_axis(seed: Design) -> tuple[FloatArray, float]:
+    """The middle (3,) of a tube seed that runs along z, and the rms distance of its facets' centroids from its axis."""
+    m, n = seed.pattern.grid or (0, 0)
+    rings = geometry.facet_centroids(seed.pattern, seed.vertices_coords).reshape(m, n, 3)[..., :2]
+    centres = rings.mean(axis=0)
+    radius = float(np.sqrt(np.mean(np.sum((rings - centres) ** 2, axis=2))))
+    height = seed.vertices_coords[:, 2]
+    return np.r_[centres.mean(axis=0), (height.min() + height.max()) / 2], radius
+
+
 def place_file(seed: Design, frame: Frame, turn: int = 0) -> Design:
     """A pattern of its own, scaled as a whole so that it covers the target's plan as well as it can."""
     own = _own_axes(seed)

@@ -8,7 +8,6 @@ vertex is a Miura or a Voss vertex as the types of its two lines say.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +17,27 @@ from inverse.geometry import diagonal
 from inverse.pattern import CFL, FL, Design, FloatArray, IntArray, Pattern
 
 Word = str | Sequence[str]
+Section = Sequence[tuple[int, int, float]]
 _TYPES = {"FL": FL, "CFL": CFL}
+
+#: Closed sections of tubes by their number of sides, steps (n, a, length): squares with 0 to 3 notched corners.
+SECTIONS: dict[int, Section] = {
+    4: ((1, 1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 1)),
+    6: ((1, 1, 2), (1, -1, 1), (-1, -1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 2)),
+    8: ((1, 1, 2), (1, -1, 2), (1, 1, 2), (1, -1, 2), (-1, -1, 3), (-1, 1, 1), (-1, -1, 1), (-1, 1, 3)),
+    10: (
+        *((1, 1, 2), (1, -1, 1), (1, 1, 1), (1, -1, 1), (-1, -1, 1)),
+        *((1, -1, 1), (-1, -1, 1), (-1, 1, 1), (-1, -1, 1), (-1, 1, 2)),
+    ),
+}
+#: Closed sections by the word that specifications use.
+NAMED_SECTIONS: dict[str, Section] = {
+    "plus": (
+        *((1, 1, 1), (1, -1, 1), (1, 1, 1), (1, -1, 1), (-1, -1, 1), (1, -1, 1)),
+        *((-1, -1, 1), (-1, 1, 1), (-1, -1, 1), (-1, 1, 1), (1, 1, 1), (-1, 1, 1)),
+    ),
+    "L": ((1, 1, 3), (1, -1, 1), (-1, -1, 2), (1, -1, 2), (-1, -1, 1), (-1, 1, 3)),
+}
 
 
 def grid_pattern(size: tuple[int, int], u_lines: Word = "FL", v_lines: Word = "FL") -> Pattern:
@@ -117,17 +136,41 @@ def grid(
     )
 
 
-@dataclass(frozen=True)
-class SectionStep:
-    """One step of a tube's closed section: signs n and a (+-1) and a length."""
+def section_types(section: Section) -> list[int]:
+    """Types of the axial lines of a tube with this section, where each step begins: a fold (FL) or an elbow (CFL).
 
-    n: int
-    a: int
-    length: float
+    Args:
+        section: steps (n, a, length) around, see :func:`tube`.
+
+    Raises:
+        InputError: the section does not close at every fold state (the message gives the missing lengths),
+            or two steps differ in both signs or in none.
+    """
+    if len(section) < 3:
+        raise InputError(f"the section has {len(section)} steps: at least 3 are needed to close")
+    for n, a, length in section:
+        if abs(n) != 1 or abs(a) != 1 or not (np.isfinite(length) and length > 0):
+            raise InputError(f"section step ({n}, {a}, {length:g}): the signs must be 1 or -1, the length positive")
+    lengths = sum(length for _, _, length in section)
+    missing = sum(n * length for n, _, length in section), sum(a * length for _, a, length in section)
+    if max(map(abs, missing)) > 1e-12 * lengths:
+        raise InputError(
+            f"the section does not close: its n-signed lengths sum to {missing[0]:g} and its a-signed ones to "
+            f"{missing[1]:g}",
+            hint="Both sums must be zero, so that the tube stays closed at every fold state.",
+        )
+    types = []
+    for (n, a, _), (next_n, next_a, _) in zip([section[-1], *section[:-1]], section, strict=True):
+        if (n == next_n) == (a == next_a):
+            raise InputError(
+                f"section steps ({n}, {a}) and ({next_n}, {next_a}) follow each other: exactly one sign must flip",
+            )
+        types.append(FL if n != next_n else CFL)
+    return types
 
 
 def tube(
-    section: Sequence[tuple[int, int, float]],
+    section: Section,
     n_rows: int,
     *,
     sector_angle: float = np.pi / 3,
@@ -150,35 +193,13 @@ def tube(
 
     Raises:
         InputError: the section does not close at every fold state (the message gives the missing lengths),
-            or two steps differ in both signs or in none.
+            two steps differ in both signs or in none, or the section crosses itself.
     """
     if n_rows < 1:
         raise InputError(f"the tube has {n_rows} rows: at least 1 is needed")
-    steps = [SectionStep(n, a, float(length)) for n, a, length in section]
-    k = len(steps)
-    if k < 3:
-        raise InputError(f"the section has {k} steps: at least 3 are needed to close")
-    for step in steps:
-        if abs(step.n) != 1 or abs(step.a) != 1 or not (np.isfinite(step.length) and step.length > 0):
-            raise InputError(
-                f"section step ({step.n}, {step.a}, {step.length:g}): the signs must be 1 or -1, the length positive"
-            )
-    missing = sum(x.n * x.length for x in steps), sum(x.a * x.length for x in steps)
-    if max(map(abs, missing)) > 1e-12 * sum(x.length for x in steps):
-        raise InputError(
-            f"the section does not close: its n-signed lengths sum to {missing[0]:g} and its a-signed ones to "
-            f"{missing[1]:g}",
-            hint="Both sums must be zero, so that the tube stays closed at every fold state.",
-        )
-    types = []
-    for p, q in zip(steps[-1:] + steps[:-1], steps, strict=True):
-        if (p.n != q.n) == (p.a != q.a):
-            raise InputError(
-                f"section steps ({p.n}, {p.a}) and ({q.n}, {q.a}) follow each other: exactly one sign must flip",
-            )
-        types.append(FL if p.n != q.n else CFL)
+    types, k = section_types(section), len(section)
     s, c, d, w = _directions(sector_angle, fold_state)
-    u = np.array([x.length * np.array([x.n * s, x.a * c, 0.0]) for x in steps])
+    u = np.array([[length * n * s, length * a * c, 0.0] for n, a, length in section])
     rows = _lengths(lengths, n_rows, "lengths")
     v = rows[:, None] * np.stack([_signs(np.ones(n_rows - 1, bool)) * d, np.full(n_rows, w)], axis=1)
     ring, axis = _walk(u)[:-1], np.c_[np.zeros(n_rows + 1), _walk(v)]
@@ -192,6 +213,9 @@ def tube(
         column = edges // (n_rows + 1)
         return np.asarray(np.where(column[:, 0] == column[:, 1], np.array(types)[column[:, 0]], FL), np.int8)
 
+    pairs = crossing_facets(points, faces[j == 0].tolist())  # all rows have the same section
+    if len(pairs):
+        raise InputError(f"the section crosses itself: steps {pairs[0, 0]} and {pairs[0, 1]} meet (counted from 0)")
     pattern = Pattern.from_faces(faces.tolist(), k * (n_rows + 1), edge_types, grid=(k, n_rows))
     return Design(pattern, points, unit, name)
 

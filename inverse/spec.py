@@ -6,9 +6,9 @@ import os.path
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
 from inverse import yaml_source
 from inverse.fields import (
@@ -27,8 +27,8 @@ from inverse.fields import (
     word,
 )
 from inverse.spec_footprint import Footprint, FootprintLimits
-from inverse.spec_pattern import FilePattern, GridPattern, Pattern
-from inverse.spec_target import BetweenTarget, HeightTarget, MeshTarget, Target
+from inverse.spec_pattern import FilePattern, GridPattern, Pattern, TubePattern
+from inverse.spec_target import BetweenTarget, HeightTarget, MeshTarget, Target, TubeTarget
 from inverse.validation import validate
 from inverse.words import did_you_mean
 from inverse.yaml_source import Source
@@ -52,6 +52,8 @@ __all__ = [
     "Plane",
     "Solver",
     "Specification",
+    "TubePattern",
+    "TubeTarget",
     "from_mapping",
     "load",
 ]
@@ -79,7 +81,8 @@ class Fit(Model):
         ),
     ] = Field(
         default="facets",
-        description="facets (their centroids), layer (every second vertex both ways) or vertices (all)",
+        description="facets (their centroids; of tubes the rings of facets), layer (every second vertex both ways) or"
+        " vertices (all)",
     )
 
 
@@ -155,6 +158,17 @@ class Constraints(Model):
         description="limits [low, high] of every edge, as factors of its length in the seed",
     )
     anchors: tuple[Anchor, ...] = Field(default=(), description="vertices that are held somewhere")
+    loop: (
+        Annotated[
+            Literal["exact", "bars"],
+            word("loop", {"exact": "closes through the motion", "bars": "one strip keeps its shape"}),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="how a tube is kept closed: exact (one strip closes through the whole motion; the default) or bars"
+        " (one strip keeps the seed's shape)",
+    )
     keep_out: tuple[KeepOut, ...] = Field(default=(), description="half-spaces that the design stays out of")
     footprint: FootprintLimits | None = Field(default=None, description="the box that a state has to fit into")
 
@@ -182,9 +196,9 @@ class Specification(Model):
         Literal["unit", "m", "cm", "mm", "um", "nm", "in"],
         word("unit", {"unit": "none", "m": "", "cm": "", "mm": "", "um": "", "nm": "", "in": "inches"}),
     ] = Field(default="m", description="unit of every length: unit (none), m, cm, mm, um, nm or in")
-    pattern: Pattern = Field(description="the pattern and its seed, of kind grid or file")
+    pattern: Pattern = Field(description="the pattern and its seed, of kind grid, tube or file")
     context: Context | None = Field(default=None, description="the buildings around, if there are any")
-    target: Target = Field(description="the target surface, by exactly one of mesh, height and between")
+    target: Target = Field(description="the target surface, by exactly one of mesh, height, between and axis")
     fit: Fit = Field(default=Fit(), description="what is fitted to the target")
     objectives: dict[str, Annotated[Number, Field(ge=0)]] = Field(
         default_factory=dict, description="weights of objective terms by their names, each at least 0"
@@ -192,6 +206,21 @@ class Specification(Model):
     footprint: Footprint = Field(default=Footprint(), description="what the objective footprint makes small")
     constraints: Constraints = Field(default=Constraints(), description="what must hold")
     solver: Solver = Field(default=Solver(), description="how the problem is solved")
+
+    @model_validator(mode="after")
+    def _check_tube(self) -> Self:
+        has_axis = isinstance(self.target, TubeTarget)
+        if isinstance(self.pattern, TubePattern) and not has_axis:
+            raise refusal(
+                "a tube needs a target around an axis",
+                "For example axis: {polyline: [[0, 0, 0], [0, 0, 10]]} with radius: 1.",
+                key="target",
+            )
+        if isinstance(self.pattern, GridPattern) and has_axis:
+            raise refusal("a grid has no rings to lie around an axis", "Write kind: tube.", key="pattern")
+        if has_axis and self.fit.points != "facets":
+            raise refusal("of a tube the rings of facets are fitted, so the points are facets", key="fit")
+        return self
 
     @property
     def packs(self) -> bool:

@@ -1,13 +1,15 @@
-"""The part of a specification that names the target surface: a mesh, a height or a span between curves."""
+"""The part of a specification that names the target surface: mesh, height, span between curves, tube around an axis."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+import itertools
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, Discriminator, Field, Tag
 
 from inverse.errors import InputError
-from inverse.fields import FileName, Interval, Model, Number, Polyline, exactly_one, refusal, row, word
+from inverse.fields import FileName, Interval, Model, Number, Point, Polyline, Positive, exactly_one, refusal, row, word
 
 
 class MeshTarget(Model):
@@ -49,12 +51,62 @@ class BetweenTarget(Model):
     ] = Field(default="arc", description="section from curve to curve: arc, parabola or catenary")
 
 
-_TARGETS: dict[str, type[Model]] = {"mesh": MeshTarget, "height": HeightTarget, "between": BetweenTarget}
+class Axis(Model):
+    """The centre line of a tube."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("polyline", "spline", "arc")
+    what: ClassVar[str] = "an axis"
+
+    polyline: Polyline | None = Field(default=None, description="two or more points [x, y, z] joined by straight lines")
+    spline: Polyline | None = Field(default=None, description="two or more points [x, y, z] that a smooth curve meets")
+    arc: Annotated[tuple[Point, Point, Point], row("start", "on the way", "end")] | None = Field(
+        default=None, description="three points [x, y, z] of a circular arc: its start, one on the way, its end"
+    )
+
+
+Share = Annotated[Number, Field(ge=0, le=1)]
+Profile = Annotated[tuple[Annotated[tuple[Share, Positive], row("fraction", "radius")], ...], Field(min_length=2)]
+
+
+def _tag_of_radius(value: Any) -> str:
+    return "<profile>" if isinstance(value, list | tuple) else "<number>"
+
+
+def _check_profile(radius: float | tuple[tuple[float, float], ...]) -> float | tuple[tuple[float, float], ...]:
+    fractions = [pair[0] for pair in radius] if isinstance(radius, tuple) else []
+    for a, b in itertools.pairwise(fractions):
+        if b <= a:
+            raise refusal(f"the fractions of the profile must increase, but {b:g} follows {a:g}")
+    return radius
+
+
+class TubeTarget(Model):
+    """A round tube around an axis."""
+
+    axis: Axis = Field(description="the centre line of the tube, by exactly one of polyline, spline and arc")
+    radius: Annotated[
+        Annotated[Positive, Tag("<number>")] | Annotated[Profile, Tag("<profile>")],
+        Discriminator(_tag_of_radius),
+        AfterValidator(_check_profile),
+    ] = Field(
+        description="rms distance of a ring's facet centroids from the axis, one number or [[fraction of the length,"
+        " radius], ...]"
+    )
+
+
+_TARGETS: dict[str, type[Model]] = {
+    "mesh": MeshTarget,
+    "height": HeightTarget,
+    "between": BetweenTarget,
+    "axis": TubeTarget,
+}
 
 
 def _check_target(value: Any) -> Any:
     if isinstance(value, BaseModel):
         return value
+    if isinstance(value, Mapping) and value.get("axis") is not None:
+        return value  # its own model knows what else it takes
     others = {name for model in _TARGETS.values() for name in model.model_fields} - set(_TARGETS)
     return exactly_one(value, "target", tuple(_TARGETS), tuple(sorted(others)))
 
@@ -62,13 +114,16 @@ def _check_target(value: Any) -> Any:
 def _tag_of_target(value: Any) -> str:
     if isinstance(value, BaseModel):
         return f"<{type(value).__name__}>"
+    if "axis" in value:
+        return "<TubeTarget>"
     return next(f"<{model.__name__}>" for key, model in _TARGETS.items() if key in value)
 
 
 Target = Annotated[
     Annotated[MeshTarget, Tag("<MeshTarget>")]
     | Annotated[HeightTarget, Tag("<HeightTarget>")]
-    | Annotated[BetweenTarget, Tag("<BetweenTarget>")],
+    | Annotated[BetweenTarget, Tag("<BetweenTarget>")]
+    | Annotated[TubeTarget, Tag("<TubeTarget>")],
     Discriminator(_tag_of_target),
     BeforeValidator(_check_target),
 ]

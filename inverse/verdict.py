@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from inverse import footprint as folded
-from inverse import geometry, objectives
+from inverse import geometry, objectives, tube_fit
 from inverse.assembly import Problem
 from inverse.crossing import triangles_of
 from inverse.objectives import Goal
 from inverse.packed import SIDES
 from inverse.pattern import Design, FloatArray
 from inverse.target.mesh import MeshTarget
+from inverse.target.tube import TubeTarget
 
 # All relative. Gradients: to the objective's gradient at the seed. Multipliers times slacks: to the objective.
 # Equations and bounds: in mean edge lengths, radians or the dimensionless form of the constraint.
@@ -67,7 +68,13 @@ def judge(
 
 
 def fit_distances(goal: Goal, points: FloatArray) -> FloatArray:
-    """Distances (N,) of the fitted points of vertices ``points`` (V, 3) from the target, border included."""
+    """Distances (N,) of the fitted points of vertices ``points`` (V, 3) from the target, border included.
+
+    Of a tube those of its rings: offsets from the axis and excess of radius, by Pythagoras.
+    """
+    if goal.tube is not None:
+        centroids = tube_fit.ring_centroids(goal.model.pattern, points)
+        return np.asarray(np.hypot(*tube_fit.deviations(goal.tube, centroids)))
     return goal.target.distances(objectives.mean_points(points, objectives.fit_vertices(goal.model, goal.fit_points)))
 
 
@@ -77,14 +84,31 @@ def fit(goal: Goal, design: Design) -> dict[str, Any]:
     at_start = fit_distances(goal, goal.model.seed.vertices_coords)
     size, start_size = (geometry.diagonal(d.vertices_coords) for d in (design, goal.model.seed))
     rms, start_rms = (float(np.sqrt(np.mean(d**2))) for d in (distances, at_start))
-    return {
-        "points": goal.fit_points,
+    found = {
+        "points": "rings" if goal.tube is not None else goal.fit_points,
         "rms": rms,
         "max": float(distances.max()),
         "rms_relative": rms / size,
         "max_relative": float(distances.max()) / size,
         "start_rms": start_rms,
         "start_rms_relative": start_rms / start_size,
+    }
+    return found if goal.tube is None else found | _tube_fit(goal, goal.tube, design, distances)
+
+
+def _tube_fit(goal: Goal, target: TubeTarget, design: Design, distances: FloatArray) -> dict[str, Any]:
+    """What is told of tubes besides: relative to the radius of each ring, and of the facets by themselves."""
+    centroids = tube_fit.ring_centroids(goal.model.pattern, design.vertices_coords)
+    relative = distances / target.stations(centroids.mean(axis=1)).radii
+    facets = target.distances(centroids.reshape(-1, 3))
+    ends = design.vertices_coords[tube_fit.ring_vertices(goal.model.pattern)[[0, -1]]].mean(axis=1)
+    reached = target.stations(ends).fractions
+    return {
+        "mean_over_radius": float(relative.mean()),
+        "max_over_radius": float(relative.max()),
+        "facets_rms": float(np.sqrt(np.mean(facets**2))),
+        "facets_max": float(facets.max()),
+        "ends": reached.tolist(),
     }
 
 

@@ -35,7 +35,7 @@ ARROWS: dict[str, set[str]] = {
     "yaml_data": {"errors"},
     "yaml_source": {"errors", "words", "yaml_data"},
     "validation": {"errors", "words", "fields", "yaml_data", "yaml_source"},
-    "spec_pattern": {"words", "fields"},
+    "spec_pattern": {"errors", "words", "fields", "seeds"},
     "spec_target": {"errors", "fields", "target"},
     "spec_footprint": {"words", "fields"},
     "spec": {"errors", "words", "fields", "validation", "yaml_source", "spec_footprint", "spec_pattern", "spec_target"},
@@ -45,7 +45,8 @@ ARROWS: dict[str, set[str]] = {
     "packed_state": {"pattern", "folding", "kernels", "model"},
     "packed": {"pattern", "footprint", "kernels", "model", "packed_state"},
     "constraints": {"errors", "pattern", "geometry", "kernels", "model", "target"},
-    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "packed", "target", "placement"},
+    "tube_fit": {"pattern", "geometry", "kernels", "model", "target"},
+    "objectives": {"errors", "pattern", "geometry", "kernels", "model", "packed", "target", "placement", "tube_fit"},
     "fillings": set(),
     "cylinder_loop": {"errors", "pattern", "geometry", "holes", "fillings", "kernels", "model", "constraints"},
     "assembly": {"errors", "pattern", "kernels", "model"},
@@ -58,7 +59,17 @@ ARROWS: dict[str, set[str]] = {
     "chart": {"pattern", "assembly"},
     "nlopt_solver": {"pattern", "assembly", "attempt", "chart"},
     "relaxation": {"pattern", "assembly", "attempt", "ipopt"},
-    "verdict": {"pattern", "geometry", "crossing", "footprint", "packed", "objectives", "assembly", "target"},
+    "verdict": {
+        "pattern",
+        "geometry",
+        "crossing",
+        "footprint",
+        "packed",
+        "objectives",
+        "assembly",
+        "target",
+        "tube_fit",
+    },
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
 # What a specification means, then how it is solved: these stand on everything above.
@@ -90,7 +101,17 @@ LEAVES = {"__init__", "__main__", "app", "cli", "fabricate", "pictures", "report
 # Heavy libraries and who may import them.
 LIBRARIES = {
     "casadi": {
-        *("kernels", "model", "target", "packed", "packed_state", "constraints", "objectives", "cylinder_loop"),
+        *(
+            "kernels",
+            "model",
+            "target",
+            "packed",
+            "packed_state",
+            "constraints",
+            "objectives",
+            "cylinder_loop",
+            "tube_fit",
+        ),
         *("assembly", "ipopt", "solve", "refine"),
     },
     "nlopt": {"nlopt_solver"},

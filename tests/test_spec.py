@@ -73,6 +73,7 @@ def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
             "sector_angle": [14.0, 166.0],
             "edge_length": [0.3, 3.0],
             "anchors": [],
+            "loop": None,
             "keep_out": [],
             "footprint": None,
         },
@@ -149,6 +150,21 @@ FULL: list[dict[str, Any]] = [
         "pattern": {"kind": "file", "file": "x.fold", "turn": 90, "keep_position": True},
         "target": {"height": "x + y", "domain": [[0, 1], [0, 2]]},
     },
+    {
+        "name": "tube",
+        "pattern": {
+            "kind": "tube", "size": [4, 3], "section": [[1, 1, 2], [1, -1, 1.5], [-1, -1, 2], [-1, 1, 1.5]],
+            "lengths_v": [1, 2, 1], "turn": -30,
+        },
+        "target": {"axis": {"polyline": [[0, 0, 0], [0, 0, 4]]}, "radius": 1},
+        "constraints": {"loop": "bars"},
+    },
+    {
+        "name": "plus",
+        "pattern": {"kind": "tube", "size": [12, 8], "section": "plus", "sector_angle": 65, "fold_state": 0.5},
+        "target": {"axis": {"arc": [[0, 0, 0], [1, 0, 1], [2, 0, 0]]}, "radius": [[0, 1], [0.5, 1.2], [1, 1]]},
+        "constraints": {"loop": "exact"},
+    },
 ]  # fmt: skip
 
 
@@ -167,7 +183,7 @@ def test_dumps_can_be_read_back(mapping: dict[str, Any], tmp_path: Path) -> None
 
 
 def test_members_of_unions() -> None:
-    _, second, third = (from_mapping(mapping).specification for mapping in FULL)
+    _, second, third, *_ = (from_mapping(mapping).specification for mapping in FULL)
     assert isinstance(second.target, BetweenTarget)
     assert isinstance(third.pattern, FilePattern)
     assert third.pattern.keep_position is True
