@@ -115,33 +115,54 @@ def missing_facet(pattern: Pattern, strip: tuple[int, ...]) -> tuple[int, ...] |
 def bars(model: DesignModel, name: str, strip: tuple[int, ...]) -> Constraint:
     """The paper's sufficient condition: a strip keeps its seed's shape, as if rigid bars joined all its vertices.
 
-    All pairwise distances would depend on each other. Three vertices keep their distances, and every other one its
-    place relative to these: 6k - 6 rows for the 2k vertices of a strip of quads.
+    All pairwise distances would depend on each other and on planarity. Three vertices keep their distances, and the
+    others their places relative to these; but a vertex of a facet that has three already only two coordinates, since
+    planarity gives the third: 5k - 5 rows for a strip of quads.
 
     Args:
         model: the model.
         name: unique name of the constraint.
         strip: (k,) facets in order around a hole.
     """
-    _, vertices = _corners(model, strip)
+    corners, vertices = _corners(model, strip)
     points = model.seed_points[vertices]
-    first = _spread(points)
-    order = np.r_[first, np.setdiff1d(np.arange(len(vertices)), first)]
-    vertices, points = vertices[order], points[order]
     size = _size(points)
+    first = corners[0][:3]
+    a, b, c = points[first]
+    axes = np.array([b - a, c - a, np.cross(b - a, c - a) / size])
+    kept = _coordinates(corners, geometry.facet_normals(model.pattern, model.seed_points)[list(strip)], axes, first)
 
     def shape(q: casadi.SX) -> casadi.SX:
-        a, b, c, *others = (q[3 * k : 3 * k + 3] / size for k in range(len(vertices)))
+        placed = casadi.reshape(q, 3, len(vertices)) / size
+        a, b, c = (placed[:, v] for v in first)
         u, v = b - a, c - a
-        w = casadi.cross(u, v)
+        own = (u, v, casadi.cross(u, v))
         rows = [casadi.sumsqr(u), casadi.sumsqr(v), casadi.dot(u, v)]
-        return casadi.vertcat(*rows, *(casadi.dot(axis, p - a) for p in others for axis in (u, v, w)))
+        return casadi.vertcat(*rows, *(casadi.dot(own[k], placed[:, vertex] - a) for vertex, k in kept))
 
     q = casadi.SX.sym("q", 3 * len(vertices))
-    kept = np.asarray(casadi.Function("shape", [q], [shape(q)])(points.ravel())).ravel()
+    given = np.asarray(casadi.Function("shape", [q], [shape(q)])(points.ravel())).ravel()
     kernel = Kernel(name, lambda q, _: shape(q), 3 * len(vertices))
     elements = Elements(name, kernel, model.variables_of(vertices[None]), np.empty((1, 0)))
-    return Constraint(elements, kept[None], kept[None], (_label(strip),), implies_others=True)
+    return Constraint(elements, given[None], given[None], (_label(strip),), implies_others=True)
+
+
+def _coordinates(
+    corners: list[list[int]], normals: FloatArray, axes: FloatArray, first: list[int]
+) -> list[tuple[int, int]]:
+    """Vertices of a strip and the axes along which each of them is held, facet after facet from three that are."""
+    found: list[tuple[int, int]] = []
+    held = set(first)
+    for face, normal in zip(corners, normals, strict=True):
+        # Planarity speaks most for the axis that is nearest to the normal.
+        steepness = np.abs(axes @ normal) / np.linalg.norm(axes, axis=1)
+        flat = np.sort(np.argsort(steepness)[:2]).tolist()
+        for vertex in face:
+            if vertex not in held:
+                enough = sum(v in held for v in face) >= 3
+                held.add(vertex)
+                found += [(vertex, k) for k in (flat if enough else range(3))]
+    return found
 
 
 def _filled_in(model: DesignModel, name: str, missing: tuple[int, ...]) -> list[Constraint]:
@@ -184,14 +205,6 @@ def _corners(model: DesignModel, strip: tuple[int, ...]) -> tuple[list[list[int]
 def _size(points: FloatArray) -> float:
     """Root mean square distance from the centre, which makes equations of a small and of a long strip alike."""
     return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
-
-
-def _spread(points: FloatArray) -> IntArray:
-    """Three points, (3,) int, that span a large triangle."""
-    a = 0
-    b = int(np.argmax(np.linalg.norm(points - points[a], axis=1)))
-    c = int(np.argmax(np.linalg.norm(np.cross(points - points[a], points[b] - points[a]), axis=1)))
-    return np.array([a, b, c])
 
 
 def _planes(q: casadi.SX, corners: list[list[int]]) -> list[casadi.SX]:

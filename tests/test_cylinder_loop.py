@@ -189,6 +189,7 @@ def test_bars_keep_a_strip_as_it_is(k: int, freedom: int) -> None:
     strip = tuple(4 * i for i in range(k))
     terms = [constraints.opposite_angles(model), *constraints.planarity(model)]
     problem = Problem(model.n_variables, [], [*terms, cylinder_loop.bars(model, "loop", strip)])
+    assert problem.constraints[-1].lower.size == 5 * k - 5
     x = generic(problem, model.seed_points.ravel(), 0.002)
     assert problem.n_variables - 6 - rank(jacobian_of(problem, x)) == freedom
     assert np.abs(x - model.seed_points.ravel()).max() > 1e-3
