@@ -104,7 +104,8 @@ def show(exact: dict[str, Any], bars: dict[str, Any]) -> None:
     for row in (exact, bars):
         cells.append(
             f"{'yes' if row['certified'] else 'NO':>4} {'yes' if row['converged'] else 'NO':>4} "
-            f"{row['objective']:>9.2e} {row['deviation']:>8.3%} {row['iterations']:>5} {row['seconds']:>6.2f} {row['closure']:>8.0e}"
+            f"{row['objective']:>9.2e} {row['deviation']:>8.3%} "
+            f"{row['iterations']:>5} {row['seconds']:>6.2f} {row['closure']:>8.0e}"
         )
     print(" |".join(cells), "", ", ".join(exact["faults"]) or "ok", flush=True)
 
