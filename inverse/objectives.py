@@ -76,21 +76,23 @@ class Term:
 
     build: Build
     default_weight: float
+    tube_weight: float
 
 
 OBJECTIVES: dict[str, Term] = {}
 
 
-def objective(name: str, default_weight: float = 0.0) -> Callable[[Build], Build]:
+def objective(name: str, default_weight: float = 0.0, tube_weight: float | None = None) -> Callable[[Build], Build]:
     """Register an objective under a name that specifications may use.
 
     Args:
         name: key under ``objectives`` in a specification.
         default_weight: weight where the specification gives none.
+        tube_weight: the same for tubes, where it is another one.
     """
 
     def add(build: Build) -> Build:
-        OBJECTIVES[name] = Term(build, default_weight)
+        OBJECTIVES[name] = Term(build, default_weight, default_weight if tube_weight is None else tube_weight)
         return build
 
     return add
@@ -232,7 +234,7 @@ def coverage(goal: Goal) -> list[Elements]:
     return blocks
 
 
-@objective("fairness", default_weight=5e-5)
+@objective("fairness", default_weight=5e-5, tube_weight=5e-4)  # a tube's section is flattened easily
 def fairness(goal: Goal) -> list[Elements]:
     """Second differences, at every second vertex along a line, of the displacement from the seed.
 
@@ -254,8 +256,8 @@ def _every_second(line: tuple[int, ...]) -> list[tuple[int, int, int]]:
     if line[0] != line[-1]:
         return [(line[k - 2], line[k], line[k + 2]) for k in range(2, len(line) - 2)]
     n = len(line) - 1
-    # Of four vertices around, the one before and the one after are the same.
-    return [(line[k - 2], line[k], line[(k + 2) % n]) for k in range(n)] if n > 4 else []
+    step = 2 if n > 4 else 1  # two before and two after are the same of four vertices around
+    return [(line[k - step], line[k], line[(k + step) % n]) for k in range(n)]
 
 
 @objective("evenness", default_weight=6e-5)
@@ -290,7 +292,7 @@ def build(goal: Goal, weights: dict[str, float]) -> list[Objective]:
             raise InputError(f"{name!r} is no objective: registered are {', '.join(sorted(OBJECTIVES))}")
     terms = []
     for name, term in OBJECTIVES.items():
-        weight = weights.get(name, term.default_weight)
+        weight = weights.get(name, term.default_weight if goal.tube is None else term.tube_weight)
         if weight > 0:
             blocks = term.build(goal)
             total = sum(e.count for e in blocks)
