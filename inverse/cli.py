@@ -93,6 +93,8 @@ def check(design: Path, /, *, as_json: Annotated[bool, Parameter(name="--json", 
         if certificate.free_range is not None:
             low, high = certificate.free_range
             print(f"free of crossings from t = {low:g} to {high:g} degrees")
+        for sentence in (one.sentence for some in (certificate.loops, certificate.crossings) for one in some):
+            print(sentence)
         print("certified" if certificate.certified else "NOT certified")
     return CERTIFIED if certificate.certified else NOT_CERTIFIED
 

@@ -193,48 +193,6 @@ def keep_out(model: DesignModel, name: str, point: FloatArray, normal: FloatArra
     return Constraint(elements, np.zeros(shape), np.full(shape, np.inf), tuple(f"vertex {v}" for v in vertices))
 
 
-def separation(model: DesignModel, pairs: IntArray, clearance: float) -> Constraint | None:
-    """Facets that do not touch in the seed stay on their sides of each other's plane.
-
-    Args:
-        model: the model.
-        pairs: (N, 2) int, facets to keep apart.
-        clearance: least distance from the plane, in mean edge lengths; half the seed's where that is less.
-
-    Returns:
-        One row for every vertex kept off a plane; None if no pair is separated by a facet's plane in the seed.
-    """
-    faces, points = model.pattern.faces_vertices, model.seed_points
-    rows, bounds = [], []
-    for pair in pairs.tolist():
-        best: tuple[float, list[tuple[int, ...]], float] | None = None
-        for f, g in (pair, pair[::-1]):
-            a, b, c = faces[f][:3]
-            normal = np.cross(points[b] - points[a], points[c] - points[b])
-            others = [v for v in faces[g] if v not in faces[f]]
-            heights = (points[others] - points[a]) @ (normal / np.linalg.norm(normal))
-            least = float(np.abs(heights).min(initial=np.inf))
-            if others and abs(np.sign(heights).sum()) == len(others) and (best is None or least > best[0]):
-                best = least, [(a, b, c, v) for v in others], float(np.sign(heights[0]))
-        if best is not None and best[0] > 1e-3:
-            rows += [(*row, best[2]) for row in best[1]]
-            bounds += [min(clearance, best[0] / 2)] * len(best[1])
-    if not rows:
-        return None
-    table = np.array(rows)
-    vertices = table[:, :4].astype(np.int64)
-    kernel = Kernel("separation", _separation, 12, 1)
-    elements = Elements("separation", kernel, model.variables_of(vertices), table[:, 4:])
-    labels = tuple(f"vertex {v}" for v in vertices[:, 3])
-    return Constraint(elements, np.array(bounds)[:, None], np.full((len(rows), 1), np.inf), labels)
-
-
-def _separation(q: casadi.SX, sign: casadi.SX) -> casadi.SX:
-    a, b, c, p = (q[3 * k : 3 * k + 3] for k in range(4))
-    normal = casadi.cross(b - a, c - b)
-    return sign * casadi.dot(normal, p - a) / casadi.norm_2(normal)
-
-
 def _linear(model: DesignModel, name: str, vertices: IntArray, point: FloatArray, directions: FloatArray) -> Elements:
     """Components of (vertex - point) along k directions: point (N, 3) or (3,), directions (N, k, 3) or (k, 3)."""
     n, k = len(vertices), directions.shape[-2]

@@ -34,12 +34,14 @@ class Formulation:
         objectives: weighted terms.
         fixed: constraints that stay as they are.
         sliding: anchors on polylines.
+        free_range: (low, high) radians, the part of the motion in which no facets may cross; None if none is asked.
     """
 
     goal: Goal
     objectives: list[Objective]
     fixed: list[Constraint]
     sliding: list[PolylineAnchor]
+    free_range: tuple[float, float] | None
 
 
 def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
@@ -75,7 +77,9 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     anchored, sliding = anchors.build(loaded, model)
     packed = [constraint for state in goal.packed for constraint in state.constraints()]
     loops = _loops(loaded, model)
-    return Formulation(goal, terms, [*fixed, *loops, *anchored, *_keep_outs(loaded, model), *packed], sliding)
+    free_range = None if limits.free_range is None else _radians(limits.free_range)
+    fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model), *packed]
+    return Formulation(goal, terms, fixed, sliding, free_range)
 
 
 def build_target(loaded: Loaded) -> Target:

@@ -55,27 +55,49 @@ def placement_kernel(dimension: int, scale: float) -> Kernel:
     """
 
     def residual(q: casadi.SX, cosine_and_sine: casadi.SX) -> casadi.SX:
-        a, b, p, c = (q[3 * k : 3 * k + 3] for k in range(4))
-        at_a, at_b, at_p, at_c = (scale * q[12 + dimension * k : 12 + dimension * (k + 1)] for k in range(4))
-        cosine, sine = cosine_and_sine[0], cosine_and_sine[1]
-        along = b - a
-        square = casadi.sumsqr(along)
-        share_p, share_c = casadi.dot(p - a, along) / square, casadi.dot(c - a, along) / square
-        across_p, across_c = p - a - share_p * along, c - a - share_c * along
-        normal = casadi.cross(along, across_p)
-        height_p, height_c = casadi.norm_2(across_p), casadi.norm_2(across_c)
-        # c lies across the edge from p, by height_c cos(rho) in the plane of a, b, p and height_c sin(rho) above it.
-        level, above = -casadi.dot(across_c, across_p) / height_p, casadi.dot(across_c, normal) / casadi.norm_2(normal)
-        stretch = height_c / (height_c + cosine * level)
-        level_t, above_t = stretch * (cosine * height_c + level), stretch * sine * above
-        at_along, at_aside = at_b - at_a, at_p - at_a
-        laid = at_a + share_c * at_along - level_t / height_p * (at_aside - share_p * at_along)
-        if dimension == 3:
-            # Lengths are those of the design, so that the only roots are of lengths that edge bounds keep from zero.
-            laid += above_t / casadi.norm_2(normal) * casadi.cross(at_along, at_aside)
-        return at_c - laid
+        design = [q[3 * k : 3 * k + 3] for k in range(4)]
+        *state, at_c = (scale * q[12 + dimension * k : 12 + dimension * (k + 1)] for k in range(4))
+        return at_c - laid(design, state, cosine_and_sine[0], cosine_and_sine[1])
 
     return Kernel("placement", residual, 12 + 4 * dimension, 2)
+
+
+def laid(
+    design: list[casadi.SX], state: list[casadi.SX], cosine: casadi.SX | float, sine: casadi.SX | float
+) -> casadi.SX:
+    """Where a vertex c beyond the edge a-b comes to lie beside a facet with a further vertex p.
+
+    Args:
+        design: a, b, p and c in the design.
+        state: a, b and p in a state, of two coordinates in flat states, else three.
+        cosine: C of :func:`placement_kernel`.
+        sine: S.
+    """
+    a, b, p, c = design
+    at_a, at_b, at_p = state
+    along = b - a
+    square = casadi.sumsqr(along)
+    share_p, share_c = casadi.dot(p - a, along) / square, casadi.dot(c - a, along) / square
+    across_p, across_c = p - a - share_p * along, c - a - share_c * along
+    normal = casadi.cross(along, across_p)
+    height_p, height_c = casadi.norm_2(across_p), casadi.norm_2(across_c)
+    # c lies across the edge from p, by height_c cos(rho) in the plane of a, b, p and height_c sin(rho) above it.
+    level, above = -casadi.dot(across_c, across_p) / height_p, casadi.dot(across_c, normal) / casadi.norm_2(normal)
+    stretch = height_c / (height_c + cosine * level)
+    level_t, above_t = stretch * (cosine * height_c + level), stretch * sine * above
+    at_along, at_aside = at_b - at_a, at_p - at_a
+    place = at_a + share_c * at_along - level_t / height_p * (at_aside - share_p * at_along)
+    if at_a.numel() == 3:
+        # Lengths are those of the design, so that the only roots are of lengths that edge bounds keep from zero.
+        place += above_t / casadi.norm_2(normal) * casadi.cross(at_along, at_aside)
+    return place
+
+
+def cosine_and_sine(t: float, is_cfl: bool) -> tuple[float, float]:
+    """C and S of :func:`placement_kernel` at a state t in radians, exact in flat states."""
+    half_sine, half_cosine = (float(k) for k in half_angle(np.array(t)))
+    cosine = half_cosine**2 - half_sine**2
+    return -cosine if is_cfl else cosine, 2 * half_sine * half_cosine
 
 
 def placements(model: DesignModel, t: float) -> tuple[IntArray, FloatArray]:
@@ -89,8 +111,6 @@ def placements(model: DesignModel, t: float) -> tuple[IntArray, FloatArray]:
         (V - 3, 4) vertices a, b, p, c and (V - 3, 2) parameters of :func:`placement_kernel`, in the order of laying.
     """
     pattern, points = model.pattern, model.seed_points
-    half_sine, half_cosine = (float(k) for k in half_angle(np.array(t)))
-    cosine, sine = half_cosine**2 - half_sine**2, 2 * half_sine * half_cosine  # exact in flat states
     a, b, p, *others = pattern.faces_vertices[0]
     vertices, parameters = [(a, b, p, c) for c in others], [RIGID] * len(others)
     placed = set(pattern.faces_vertices[0])
@@ -101,9 +121,8 @@ def placements(model: DesignModel, t: float) -> tuple[IntArray, FloatArray]:
         behind = np.array(pattern.faces_vertices[parent])
         heights = np.linalg.norm(np.cross(points[behind] - points[a], points[b] - points[a]), axis=1)
         p = int(behind[np.argmax(heights)])
-        sign = -1.0 if pattern.edges_type[edge] == CFL else 1.0
         new = [c for c in pattern.faces_vertices[facet] if c not in placed]
         vertices += [(a, b, p, c) for c in new]
-        parameters += [(sign * cosine, sine)] * len(new)
+        parameters += [cosine_and_sine(t, bool(pattern.edges_type[edge] == CFL))] * len(new)
         placed.update(new)
     return np.array(vertices, np.int64).reshape(-1, 4), np.array(parameters).reshape(-1, 2)

@@ -208,6 +208,7 @@ class Policy:
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished
         judgement = verdict.judge(problem, variables, multipliers, parameters, goal)
+        judgement["failed"] += verdict.range_faults((formulation or self.formulation).free_range, certificate)
         objective, _ = problem.objective_and_gradient(variables, parameters)
         return Outcome(
             Solution(variables, multipliers, problem, parameters),

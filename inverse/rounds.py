@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from inverse import constraints, nlopt_solver, objectives, verdict
+from inverse import folding, nlopt_solver, objectives, separation, verdict
 from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
 from inverse.control import Control
@@ -15,7 +15,7 @@ from inverse.crossing import crossing_facets
 from inverse.formulate import Formulation
 from inverse.ipopt import Solver
 from inverse.model import Constraint
-from inverse.pattern import FloatArray, IntArray
+from inverse.pattern import FloatArray
 from inverse.runs import Runs
 from inverse.spec import Solver as SolverKeys
 from inverse.strips import alike
@@ -23,7 +23,7 @@ from inverse.strips import alike
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
 GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
-CLEARANCE = 0.05  # of facets that crossed, in mean edge lengths
+SPACING = np.pi / 64  # of the states of the motion that are looked at, like the certificate's
 
 Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
 
@@ -74,15 +74,22 @@ class Rounds:
         """Solve; where facets cross, keep them apart and solve again from the seed."""
         model = self.formulation.goal.model
         start = self.start
-        apart = np.empty((0, 2), np.int64)
+        apart: dict[float, set[tuple[int, int]]] = {}  # by states
         while True:
-            separation = constraints.separation(model, apart, CLEARANCE) if len(apart) else None
-            solution = self._fitted(start, [separation] if separation else [])
+            extra: list[Constraint] = []
+            for t, pairs in apart.items():
+                if t == np.pi / 2:
+                    one = separation.in_design(model, np.array(sorted(pairs)))
+                    extra += [] if one is None else [one]
+                else:
+                    extra += separation.in_state(model, np.array(sorted(pairs)), t)
+            solution = self._fitted(start, extra)
             start = None
-            more = np.unique(np.vstack([apart, self._crossing(solution.variables)]), axis=0)
-            if self.control.stopped or self.runs.round >= MAX_ROUNDS or len(more) == len(apart):
+            crossing = self._crossing(solution.variables)
+            more = {t: pairs | apart.get(t, set()) for t, pairs in crossing.items()}
+            if self.control.stopped or self.runs.round >= MAX_ROUNDS or {**apart, **more} == apart:
                 return solution
-            apart = more
+            apart |= more
 
     def unsolved(self) -> Solution:
         """The start as a solution that no solver has touched."""
@@ -125,7 +132,11 @@ class Rounds:
             history.append((rms, Solution(x, multipliers, problem, parameters)))
             fresh = problem.parameters(objectives.refreshed(goal, points))
             onward = [anchor.moved_on(points) for anchor in sliding]
-            if self.runs.ends(attempt) or self.runs.round >= MAX_ROUNDS or len(self._crossing(x)):
+            if (
+                self.runs.ends(attempt)
+                or self.runs.round >= MAX_ROUNDS
+                or len(crossing_facets(points, model.pattern.faces_vertices))
+            ):
                 return Solution(x, multipliers, problem, fresh)
             if _segments(onward) not in seen:
                 sliding, multipliers, history, aim, before = onward, None, [], points, None
@@ -142,11 +153,29 @@ class Rounds:
             aim = points if goal.target.has_kinks else _ahead(step, before)
             before = step
 
-    def _crossing(self, x: FloatArray) -> IntArray:
-        """Pairs of facets that cross, and those like them."""
+    def _crossing(self, x: FloatArray) -> dict[float, set[tuple[int, int]]]:
+        """Pairs of facets that cross in the design state, and those like them; then those in demanded states.
+
+        Of the states those matter where something crosses first, and the last demanded ones.
+        """
         model = self.formulation.goal.model
-        faces = model.pattern.faces_vertices
-        return alike(model.pattern, crossing_facets(model.points(x), faces))
+        faces, points = model.pattern.faces_vertices, model.points(x)
+        pairs = alike(model.pattern, crossing_facets(points, faces))
+        if len(pairs) or self.formulation.free_range is None:
+            return {np.pi / 2: set(map(tuple, pairs.tolist()))} if len(pairs) else {}
+        found: dict[float, set[tuple[int, int]]] = {}
+        for end in self.formulation.free_range:
+            count = int(np.ceil(abs(end - np.pi / 2) / SPACING))
+            states = np.pi / 2 + np.arange(1, count + 1) / count * (end - np.pi / 2)
+            crossed = [
+                (t, set(map(tuple, pairs.tolist())))
+                for t, points in zip(
+                    states.tolist(), folding.fold(model.design(x), states).vertices_coords, strict=True
+                )
+                if len(pairs := crossing_facets(points, faces))
+            ]
+            found |= dict(crossed[:1] + crossed[-1:])
+        return found
 
     def _problem(
         self, sliding: list[PolylineAnchor], extra: list[Constraint]

@@ -169,6 +169,20 @@ class Constraints(Model):
         description="how a tube is kept closed: exact (one strip closes through the whole motion; the default) or bars"
         " (one strip keeps the seed's shape)",
     )
+    free_range: (
+        Annotated[
+            tuple[
+                Annotated[Number, Field(ge=1, lt=90)],
+                Annotated[Number, Field(gt=90, le=179)],
+            ],
+            row("low", "high"),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="part [low, high] of the motion, degrees from 1 to 179 around the design state's 90, in which no"
+        " facets may cross",
+    )
     keep_out: tuple[KeepOut, ...] = Field(default=(), description="half-spaces that the design stays out of")
     footprint: FootprintLimits | None = Field(default=None, description="the box that a state has to fit into")
 

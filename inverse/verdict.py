@@ -9,6 +9,7 @@ import numpy as np
 from inverse import footprint as folded
 from inverse import geometry, objectives, tube_fit
 from inverse.assembly import Problem
+from inverse.certify import Certificate
 from inverse.crossing import triangles_of
 from inverse.objectives import Goal
 from inverse.packed import SIDES
@@ -65,6 +66,20 @@ def judge(
         "violations": {name: {"value": size, "worst": where} for name, (size, where) in violations.items()},
         "failed": failed,
     }
+
+
+def range_faults(asked: tuple[float, float] | None, certificate: Certificate) -> list[str]:
+    """What of an asked range of motion, (low, high) in radians, is not free of crossing facets, as sentences."""
+    free = certificate.free_range
+    if asked is None or free is None:  # then the certificate says what is wrong
+        return []
+    low, high = np.degrees(asked)
+    if free[0] <= low and free[1] >= high:
+        return []
+    beyond = "; ".join(end.sentence for end in certificate.crossings)
+    return [
+        f"the motion is free from {free[0]:.4g} to {free[1]:.4g} degrees, not from {low:.4g} to {high:.4g}: {beyond}"
+    ]
 
 
 def fit_distances(goal: Goal, points: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from designs import GENERAL, assert_close, holds, holed, miura, perturbed, rotation, rows_of
 
-from inverse import constraints, seeds
+from inverse import constraints, seeds, separation
 from inverse.anchors import PolylineAnchor
 from inverse.assembly import Problem
 from inverse.crossing import crossing_facets
@@ -140,7 +140,7 @@ def plane_of(design: Design, facet: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("pair", [(0, 15), (1, 10), (5, 15)])
 def test_separated_facets_stay_on_one_side(model: DesignModel, pair: tuple[int, int]) -> None:
-    constraint = constraints.separation(model, np.array([pair]), 0.05)
+    constraint = separation.in_design(model, np.array([pair]))
     assert constraint is not None
     design = model.seed
     assert holds(constraint, model, design.vertices_coords).all()
@@ -160,7 +160,7 @@ def test_facets_in_one_plane_cannot_be_separated() -> None:
     """Facets (0, 0) and (2, 0) of a Miura lie in parallel planes, those of a strip's continuation in one."""
     design = seeds.grid((1, 3))
     flat = DesignModel(design.moved_to(design.vertices_coords * [1, 1, 0]))
-    assert constraints.separation(flat, np.array([[0, 2]]), 0.05) is None
+    assert separation.in_design(flat, np.array([[0, 2]])) is None
 
 
 def test_crossing_facets_are_found() -> None:

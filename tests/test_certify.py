@@ -298,6 +298,10 @@ def test_the_first_crossing_of_the_motion_is_located(kind, tmp_path):
         low, high = 180 - high, 180 - low
     assert low == 0.0
     assert touching - 0.01 <= high <= touching
+    (crossing,) = certificate.crossings
+    assert crossing.t in certificate.free_range
+    assert crossing.facets == ((0, 2),)
+    assert certificate.document()["crossings"] == [{"t": crossing.t, "facets": [[0, 2]]}]
 
 
 def test_a_large_sheet_takes_seconds(tmp_path):

@@ -17,7 +17,7 @@ import pytest
 from designs import assert_close, holed, hybrid, polygonal, rotation, tube
 
 import inverse
-from inverse import anchors, constraints, cylinder_loop, objectives
+from inverse import anchors, constraints, cylinder_loop, objectives, separation
 from inverse.assembly import Problem
 from inverse.holes import hole_strips
 from inverse.kernels import Kernel
@@ -54,9 +54,9 @@ def on_segment(model: DesignModel) -> list[Constraint]:
     return [constraints.on_segment(model, "on_segment", FEW, start, start + np.diag([1.0, 2.0, -3.0]) + 0.4)]
 
 
-def separation(model: DesignModel) -> list[Constraint]:
+def apart(model: DesignModel) -> list[Constraint]:
     count = len(model.pattern.faces_vertices)
-    found = constraints.separation(model, np.array([[0, count - 1], [1, 9], [3, 12]]), 0.05)
+    found = separation.in_design(model, np.array([[0, count - 1], [1, 9], [3, 12]]))
     assert found is not None
     return [found]
 
@@ -94,7 +94,8 @@ CONSTRAINTS: dict[str, Callable[[DesignModel], list[Constraint]]] = {
     "on_segment": on_segment,
     "on_circle": lambda model: [constraints.on_circle(model, "on_circle", FEW, POINT, NORMAL, 2.2)],
     "keep_out": lambda model: [constraints.keep_out(model, "keep_out", POINT, NORMAL)],
-    "separation": separation,
+    "separation": apart,
+    "separation in a state": lambda model: separation.in_state(model, np.array([[0, 3], [9, 1], [2, 5]]), 2.1),
     "sliding anchor": sliding,
     "packed states": lambda model: [constraint for state in packed(model) for constraint in state.constraints()],
 }

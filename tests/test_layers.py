@@ -45,6 +45,7 @@ ARROWS: dict[str, set[str]] = {
     "packed_state": {"pattern", "folding", "kernels", "model"},
     "packed": {"pattern", "footprint", "kernels", "model", "packed_state"},
     "constraints": {"errors", "pattern", "geometry", "kernels", "model", "target"},
+    "separation": {"pattern", "folding", "kernels", "model", "packed_state"},
     "tube_fit": {"pattern", "geometry", "kernels", "model", "target"},
     "objectives": {"errors", "pattern", "geometry", "kernels", "model", "packed", "target", "placement", "tube_fit"},
     "fillings": set(),
@@ -69,6 +70,7 @@ ARROWS: dict[str, set[str]] = {
         "assembly",
         "target",
         "tube_fit",
+        "certify",
     },
     "anchors": {"errors", "pattern", "model", "constraints", "spec"},
 }
@@ -110,6 +112,7 @@ LIBRARIES = {
             "constraints",
             "objectives",
             "cylinder_loop",
+            "separation",
             "tube_fit",
         ),
         *("assembly", "ipopt", "solve", "refine"),

@@ -10,7 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from inverse.certify import claims, collisions, loops, measures, mobility
-from inverse.certify.certificate import LIMITS, NOT_MEASURED, Certificate, Check, Loop, judge
+from inverse.certify.certificate import LIMITS, NOT_MEASURED, Certificate, Check, Crossing, Loop, judge
 from inverse.certify.measures import CFL, FL
 from inverse.certify.motion import Motion
 from inverse.certify.structure import examine, powers_of_two_off
@@ -48,6 +48,7 @@ def check_frame(frame: FoldFrame) -> Certificate:
     found = dict.fromkeys(LIMITS, NOT_MEASURED)
     free_range: tuple[float, float] | None = None
     closed: tuple[Loop, ...] = ()
+    crossings: tuple[Crossing, ...] = ()
 
     mesh, points = structure.mesh, structure.points
     if mesh is not None and structure.halves is not None:
@@ -69,7 +70,7 @@ def check_frame(frame: FoldFrame) -> Certificate:
                 faults += mobility.faults(motion, strips)
                 found["loop_closure"], closed = loops.closure(motion, strips)
             if all(judge(name, found[name]).passed for name in ("motion_gap", "crossing_design")):
-                free_range = collisions.free_range(motion)
+                free_range, crossings = collisions.free_range(motion)
 
     found["structure"] = float(len(faults)), faults[0] if faults else "no faults"
     checks = {name: judge(name, measured) for name, measured in found.items()}
@@ -81,4 +82,5 @@ def check_frame(frame: FoldFrame) -> Certificate:
         n_holes=None if mesh is None else mesh.n_holes,
         faults=tuple(faults),
         loops=closed,
+        crossings=crossings,
     )

@@ -92,6 +92,35 @@ class Loop:
         """Largest gap of all."""
         return max(self.gap_at_states, self.gap_between)
 
+    @property
+    def sentence(self) -> str:
+        """For messages."""
+        return (
+            f"strip of {len(self.facets)} facets from facet {self.facets[0]}: opens by {self.gap_at_states:.2g}"
+            f" diagonals at {self.states} states (conditioning {self.conditioning:.2g}),"
+            f" by {self.gap_between:.2g} at others"
+        )
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where the motion away from the design state first brings facets through each other.
+
+    Attributes:
+        t: the last state without, in degrees.
+        facets: pairs of facets that cross just beyond.
+    """
+
+    t: float
+    facets: tuple[tuple[int, int], ...]
+
+    @property
+    def sentence(self) -> str:
+        """For messages."""
+        a, b = self.facets[0]
+        more = f" and {len(self.facets) - 1} more pairs" if len(self.facets) > 1 else ""
+        return f"facets {a} and {b}{more} cross beyond t = {self.t:.2f} degrees"
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -106,6 +135,7 @@ class Certificate:
         n_holes: number of holes; None if the surface is no disk with or without holes.
         faults: what the structure check found, one sentence each.
         loops: one strip per hole.
+        crossings: what ends the free range before a flat state.
     """
 
     certified: bool
@@ -115,6 +145,7 @@ class Certificate:
     n_holes: int | None
     faults: tuple[str, ...]
     loops: tuple[Loop, ...]
+    crossings: tuple[Crossing, ...]
 
     def document(self) -> dict[str, Any]:
         """The certificate as JSON-safe data, the form of ``certificate.json``."""
@@ -135,4 +166,5 @@ class Certificate:
             "n_holes": self.n_holes,
             "faults": list(self.faults[:MAX_LISTED_FAULTS]),
             "loops": [asdict(loop) | {"facets": list(loop.facets), "gap": loop.gap} for loop in self.loops],
+            "crossings": [{"t": end.t, "facets": [list(pair) for pair in end.facets]} for end in self.crossings],
         }

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from inverse.certify.certificate import Measured
+from inverse.certify.certificate import Crossing, Measured
+from inverse.certify.mesh import IntArray
 from inverse.certify.motion import N_STATES, STATES_AT_ONCE, Motion
 from inverse.crossing import crossing_facets
 
@@ -16,6 +17,7 @@ RESOLUTION = 0.01  # degrees, to which the first crossing is located
 # to call facets crossing that merely meet in an edge folded to within 1e-7 degrees of 0 or 180, never at
 # 1e-6. This close to a flat state, the smallest fold that the certificate allows is 9e-5 degrees.
 NEAREST_TO_FLAT = 0.01
+MAX_LISTED_PAIRS = 10
 
 
 def design_crossings(points: FloatArray, facets: tuple[tuple[int, ...], ...]) -> Measured:
@@ -28,38 +30,41 @@ def design_crossings(points: FloatArray, facets: tuple[tuple[int, ...], ...]) ->
     return float(len(pairs)), f"facets {named}{more}"
 
 
-def free_range(motion: Motion) -> tuple[float, float]:
+def free_range(motion: Motion) -> tuple[tuple[float, float], tuple[Crossing, ...]]:
     """The part of the motion around the design state in which no facets were found to cross, in degrees.
 
     States are sampled outwards from 90 degrees at the motion's own spacing and just before the flat states;
     the first crossing is then located by bisection. A crossing that comes and goes between two samples is
     missed. A side without any crossing is reported up to its flat state, 0 or 180.
+
+    Returns:
+        The range, and at each of its ends that is not a flat state what crosses there.
     """
     outwards = np.linspace(90.0, 180.0, N_STATES // 2 + 1)[1:]
     outwards[-1] = 180.0 - NEAREST_TO_FLAT
-    return _reach(motion, 180.0 - outwards, 0.0), _reach(motion, outwards, 180.0)
+    ends = _first(motion, 180.0 - outwards), _first(motion, outwards)
+    low, high = (flat if end is None else end.t for end, flat in zip(ends, (0.0, 180.0), strict=True))
+    return (low, high), tuple(end for end in ends if end is not None)
 
 
-def _reach(motion: Motion, states: FloatArray, flat: float) -> float:
+def _first(motion: Motion, states: FloatArray) -> Crossing | None:
     free = 90.0
     for some in np.array_split(states, range(STATES_AT_ONCE, len(states), STATES_AT_ONCE)):
         for crossed, points in zip(some.tolist(), motion.vertices(np.radians(some / 2)), strict=True):
-            if _crosses(motion, points):
-                return _located(motion, free, crossed)
+            pairs = crossing_facets(points, motion.mesh.facets)
+            if len(pairs):
+                return _located(motion, free, crossed, pairs)
             free = crossed
-    return flat
+    return None
 
 
-def _located(motion: Motion, free: float, crossed: float) -> float:
-    """The last state without a crossing between one without and one with, in degrees."""
+def _located(motion: Motion, free: float, crossed: float, pairs: IntArray) -> Crossing:
+    """The last state without a crossing between one without and one with, in degrees, and what crosses beyond."""
     while abs(crossed - free) > RESOLUTION:
         middle = (free + crossed) / 2
-        if _crosses(motion, motion.vertices(np.radians([middle / 2]))[0]):
-            crossed = middle
+        found = crossing_facets(motion.vertices(np.radians([middle / 2]))[0], motion.mesh.facets)
+        if len(found):
+            crossed, pairs = middle, found
         else:
             free = middle
-    return free
-
-
-def _crosses(motion: Motion, points: FloatArray) -> bool:
-    return len(crossing_facets(points, motion.mesh.facets)) > 0
+    return Crossing(free, tuple((int(a), int(b)) for a, b in pairs[:MAX_LISTED_PAIRS].tolist()))
