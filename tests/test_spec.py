@@ -74,6 +74,7 @@ def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
             "edge_length": [0.3, 3.0],
             "anchors": [],
             "loop": None,
+            "free_range": None,
             "keep_out": [],
             "footprint": None,
         },
