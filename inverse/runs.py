@@ -169,7 +169,8 @@ class Runs:
                 left -= attempt.iterations
                 if self._is_over(problem, attempt, parameters, left):
                     return attempt
-                x = attempt.variables
+                # Which equations follow from others shows where all of them hold.
+                x = polish(problem, attempt.variables, parameters)
             attempt = solver.run(x, parameters, multipliers, left, careful=False)
             self._recorded(attempt, STATIC, False)
             left -= attempt.iterations
