@@ -47,12 +47,10 @@ class LightSolver:
     n_rows: int
     solver: Solver
 
-    def approach(
-        self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool, settled: float
-    ) -> Attempt:
+    def approach(self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool) -> Attempt:
         """As :meth:`Solver.approach`, with parameters and multipliers of the whole problem."""
         own = self.relaxation.parameters(parameters)
-        return self._whole(self.solver.approach(start, own, limit, is_good=is_good, settled=settled))
+        return self._whole(self.solver.approach(start, own, limit, is_good=is_good))
 
     def run(
         self, start: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, limit: int, *, careful: bool

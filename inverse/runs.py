@@ -13,7 +13,7 @@ from inverse import geometry, nlopt_solver, verdict
 from inverse.assembly import Problem
 from inverse.attempt import GIVEN_UP, INVALID_NUMBER, Attempt, Progress
 from inverse.control import Control
-from inverse.ipopt import NEAR, SETTLED, SETTLED_CLOSE, Solver
+from inverse.ipopt import NEAR, Solver
 from inverse.objectives import Goal
 from inverse.pattern import FloatArray
 from inverse.projection import polish
@@ -23,7 +23,6 @@ from inverse.spec import Solver as SolverKeys
 FAR = 1.0  # a run without bounds is given up when it leaves them by more than this
 APPROACHING, STATIC, PIVOTED = "linearized constraints", "static pivots", "pivoting"  # methods, for the report
 REDUCED = "SLSQP where all equations hold"
-STRAYED = 1e-6  # violation by which a run without redundant equations has left the designs that satisfy them too
 
 Iterate = tuple[float, float, FloatArray]  # violation, objective, variables
 
@@ -70,7 +69,10 @@ class Runs:
         *,
         is_seed: bool,
     ) -> Attempt:
-        """One round.
+        """One round: come near, then fast steps; where they stall, exact ones from the point that they reached.
+
+        From a good start bounds that are far from active are left out. What goes wrong without them, or leaves
+        them, is done again with all.
 
         Args:
             solver: of the problem.
@@ -86,9 +88,32 @@ class Runs:
         left = self.options.max_iterations
         if isinstance(solver, nlopt_solver.Solver):
             return self._recorded(solver.run(x, parameters, multipliers, left), REDUCED, False)
-        if problem.has_redundant_equations:
-            return self._closer_and_closer(solver, problem, x, parameters, multipliers, is_seed=is_seed)
-        return self._faster_first(solver, problem, x, parameters, multipliers, is_seed=is_seed)
+        methods: tuple[str, ...] = (APPROACHING, STATIC) if multipliers is None else (STATIC,)
+        if problem.has_passive_variables:
+            # Static pivots come near there, but not to the end; linearized, packed states fly about.
+            methods = (STATIC,) if multipliers is None else ()
+        light = None if is_seed or not methods else self._light(problem, x, parameters)
+        for method in methods:
+            near = None
+            for one in (light, solver) if light else (solver,):
+                if method == APPROACHING:
+                    attempt = one.approach(x, parameters, left, is_good=not is_seed)
+                else:
+                    attempt = one.run(x, parameters, multipliers, left, careful=False)
+                self._recorded(attempt, method, one is light)
+                left -= attempt.iterations
+                if self._is_over(problem, attempt, parameters, left):
+                    return attempt
+                if attempt.status != GIVEN_UP and problem.violation(attempt.variables, parameters) <= NEAR:
+                    near, x, multipliers = one, attempt.variables, attempt.multipliers
+                    if method == APPROACHING and problem.has_redundant_equations:
+                        # Which equations follow from others shows where all of them hold.
+                        x, multipliers = polish(problem, x, parameters), None
+                    break
+            if method == APPROACHING and near is not light:
+                light = self._light(problem, x, parameters) if near else None
+        attempt = solver.run(x, parameters, multipliers, left, careful=True)
+        return self._recorded(attempt, PIVOTED, False)
 
     def ends(self, attempt: Attempt) -> bool:
         """Whether there is nothing more to do: stopped, or a term without a value, which no solver mends."""
@@ -105,82 +130,6 @@ class Runs:
         if goal.packed:
             polished = goal.start(goal.model.points(polished))  # boxes around the states that have moved
         return polished if problem.violation(polished, parameters) <= verdict.BOUND else self._feasible[2]
-
-    def _faster_first(
-        self,
-        solver: Solver,
-        problem: Problem,
-        x: FloatArray,
-        parameters: FloatArray,
-        multipliers: FloatArray | None,
-        *,
-        is_seed: bool,
-    ) -> Attempt:
-        """Come near, then fast steps; where they stall, exact ones from the point that they reached.
-
-        From a good start bounds that are far from active are left out. What goes wrong without them, or leaves
-        them, is done again with all.
-        """
-        left = self.options.max_iterations
-        methods: tuple[str, ...] = (APPROACHING, STATIC) if multipliers is None else (STATIC,)
-        if problem.has_passive_variables:
-            # Static pivots come near there, but not to the end; linearized, packed states fly about.
-            methods = (STATIC,) if multipliers is None else ()
-        light = None if is_seed or not methods else self._light(problem, x, parameters)
-        for method in methods:
-            near = None
-            for one in (light, solver) if light else (solver,):
-                if method == APPROACHING:
-                    attempt = one.approach(x, parameters, left, is_good=not is_seed, settled=SETTLED)
-                else:
-                    attempt = one.run(x, parameters, multipliers, left, careful=False)
-                self._recorded(attempt, method, one is light)
-                left -= attempt.iterations
-                if self._is_over(problem, attempt, parameters, left):
-                    return attempt
-                if attempt.status != GIVEN_UP and problem.violation(attempt.variables, parameters) <= NEAR:
-                    near, x, multipliers = one, attempt.variables, attempt.multipliers
-                    break
-            if method == APPROACHING and near is not light:
-                light = self._light(problem, x, parameters) if near else None
-        attempt = solver.run(x, parameters, multipliers, left, careful=True)
-        return self._recorded(attempt, PIVOTED, False)
-
-    def _closer_and_closer(
-        self,
-        solver: Solver,
-        problem: Problem,
-        x: FloatArray,
-        parameters: FloatArray,
-        multipliers: FloatArray | None,
-        *,
-        is_seed: bool,
-    ) -> Attempt:
-        """Come near with all equations, then Newton's method with independent ones; from nearer where that strays.
-
-        Given equations that follow from others, Newton's method finds no multipliers. Without them it may go along a
-        branch where they do not hold, unless it starts near the solution.
-        """
-        left = self.options.max_iterations
-        for settled in SETTLED_CLOSE:
-            if multipliers is None:
-                attempt = solver.approach(x, parameters, left, is_good=not is_seed, settled=settled)
-                self._recorded(attempt, APPROACHING, False)
-                left -= attempt.iterations
-                if self._is_over(problem, attempt, parameters, left):
-                    return attempt
-                # Which equations follow from others shows where all of them hold.
-                x = polish(problem, attempt.variables, parameters)
-            attempt = solver.run(x, parameters, multipliers, left, careful=False)
-            self._recorded(attempt, STATIC, False)
-            left -= attempt.iterations
-            if self._is_over(problem, attempt, parameters, left):
-                return attempt
-            multipliers = None
-            if problem.violation(attempt.variables, parameters) <= STRAYED:
-                x = attempt.variables
-        attempt = solver.run(x, parameters, None, left, careful=True)
-        return self._recorded(attempt, PIVOTED, False)
 
     def _is_over(self, problem: Problem, attempt: Attempt, parameters: FloatArray, left: int) -> bool:
         solved = attempt.succeeded and problem.violation(attempt.variables, parameters) <= verdict.BOUND
