@@ -22,7 +22,7 @@ class PolylineAnchor:
     Attributes:
         name: unique name of the constraint.
         vertices: (N,) int.
-        polyline: (n, 3) points.
+        polyline: (n, 3) points; of a polygon the last is the first again.
         segments: (N,) int, segment that each vertex is held on.
     """
 
@@ -41,7 +41,9 @@ class PolylineAnchor:
         a, b = self.polyline[self.segments], self.polyline[self.segments + 1]
         along = np.einsum("ij,ij->i", points[self.vertices] - a, b - a) / np.einsum("ij,ij->i", b - a, b - a)
         step = np.where(along > 1 - END, 1, np.where(along < END, -1, 0))
-        segments = np.clip(self.segments + step, 0, len(self.polyline) - 2)
+        segments, last = self.segments + step, len(self.polyline) - 2
+        is_closed = (self.polyline[0] == self.polyline[-1]).all()
+        segments = segments % (last + 1) if is_closed else np.clip(segments, 0, last)
         return PolylineAnchor(self.name, self.vertices, self.polyline, segments)
 
 
@@ -87,6 +89,9 @@ def build(loaded: Loaded, model: DesignModel) -> tuple[list[Constraint], list[Po
             )
         if anchor.to.polyline is not None:
             sliding.append(_on_polyline(name, vertices, np.array(anchor.to.polyline), model))
+        elif anchor.to.polygon is not None:
+            corners = np.array([*anchor.to.polygon, anchor.to.polygon[0]])
+            sliding.append(_on_polyline(name, vertices, corners, model))
         else:
             fixed.append(_fixed(name, vertices, anchor, model))
     return fixed, sliding
@@ -105,15 +110,28 @@ def _vertices(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> IntAr
                 f"vertex {vertices.max()} is not there: the pattern has vertices 0 to {pattern.n_vertices - 1}",
             )
         return vertices[:: anchor.every]
-    if pattern.grid is None or anchor.side == "ends":
+    sides = _sides(pattern)
+    if anchor.side not in sides:
+        what, own = {0: ("A grid", "u0, u1, v0 and v1")}.get(
+            pattern.n_holes, ("A tube", "v0, v1 and ends, both of these")
+        )
         raise loaded.source.error(
             _key(k, "side"), f"{anchor.side!r} names no boundary of this pattern",
-            "A grid has the sides u0, u1, v0 and v1; any pattern takes `vertices: [...]` instead.",
+            f"{what} has the sides {own}; any pattern takes `vertices: [...]` instead.",
         )  # fmt: skip
-    m, n = pattern.grid
-    table = np.arange(pattern.n_vertices).reshape(m + 1, n + 1)
-    side = {"u0": table[0], "u1": table[-1], "v0": table[:, 0], "v1": table[:, -1]}[str(anchor.side)]
-    return np.asarray(side[:: anchor.every])
+    return np.concatenate([line[:: anchor.every] for line in sides[anchor.side]])
+
+
+def _sides(pattern: Pattern) -> dict[str, list[IntArray]]:
+    """Vertices along the sides of a grid or the open ends of a tube, by the words of specifications."""
+    if pattern.grid is None:
+        return {}
+    _, n = pattern.grid
+    table = np.arange(pattern.n_vertices).reshape(-1, n + 1)  # a tube has no line m: it is line 0 again
+    along_v = {"v0": [table[:, 0]], "v1": [table[:, -1]]}
+    if pattern.n_holes == 1:
+        return along_v | {"ends": along_v["v0"] + along_v["v1"]}
+    return along_v | {"u0": [table[0]], "u1": [table[-1]]}
 
 
 def _rows(anchor: Anchor) -> int:
@@ -129,7 +147,7 @@ def _fixed(name: str, vertices: IntArray, anchor: Anchor, model: DesignModel) ->
         normal = np.array(to.plane.normal)
         return constraints.on_plane(model, name, vertices, np.array(to.plane.point), normal / np.linalg.norm(normal))
     if to.circle is None:
-        raise InputError("an anchor needs one of point, polyline, plane, circle")
+        raise InputError("an anchor needs one of point, polyline, polygon, plane, circle")
     return constraints.on_circle(
         model, name, vertices, np.array(to.circle.center), np.array(to.circle.normal), to.circle.radius
     )

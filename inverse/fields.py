@@ -142,6 +142,12 @@ def _moving(line: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, 
     return line
 
 
+def _closed(line: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, float, float], ...]:
+    if line[0] == line[-1]:
+        raise refusal(f"the polygon closes by itself: leave out its last point {_numbers(line[-1])}")
+    return _moving(line)
+
+
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
 Integer = Annotated[int, Field(strict=True)]
@@ -150,6 +156,7 @@ FileName = Annotated[str, Field(min_length=1)]
 Point = Annotated[tuple[Number, Number, Number], row("x", "y", "z")]
 Normal = Annotated[Point, AfterValidator(_nonzero)]
 Polyline = Annotated[tuple[Point, ...], Field(min_length=2), AfterValidator(_moving)]
+Polygon = Annotated[tuple[Point, ...], Field(min_length=3), AfterValidator(_closed)]
 Increasing = AfterValidator(_increasing)
 Interval = Annotated[tuple[Number, Number], row("low", "high"), Increasing]
 

@@ -21,6 +21,7 @@ from inverse.spec import HeightTarget as HeightKeys
 from inverse.spec import TubeTarget as TubeKeys
 from inverse.spec_footprint import FootprintLimits, State, radians
 from inverse.target import Target
+from inverse.target.tube import TubeTarget
 
 T = TypeVar("T")
 
@@ -57,6 +58,11 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     specification = loaded.specification
     target = build_target(loaded)
     seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target))
+    if isinstance(target, TubeTarget) and not (tube_fit.is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
+        raise loaded.source.error(
+            ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
+            "Give a pattern of kind tube, or a file of one with bdffpq:grid.",
+        )  # fmt: skip
     model = DesignModel(seed)
     surface = target if share == 1 else target.flattened(share)
     goal = Goal(model, surface, specification.fit.points, _packed(loaded, model))
@@ -108,8 +114,10 @@ def build_target(loaded: Loaded) -> Target:
 
 def _tube_target(loaded: Loaded, keys: TubeKeys) -> Target:
     """A tube around an axis."""
+    from inverse.target import around
     from inverse.target.axis import Axis, arc
-    from inverse.target.tube import TubeTarget
+    from inverse.target.expression import SPACE, parse
+    from inverse.target.mesh import read_mesh
 
     def axis() -> Axis:
         if keys.axis.arc is not None:
@@ -118,7 +126,15 @@ def _tube_target(loaded: Loaded, keys: TubeKeys) -> Target:
         return Axis(points, smooth=keys.axis.spline is not None)
 
     found = _within(loaded, ("target", "axis"), axis)
-    return _within(loaded, ("target", "radius"), lambda: TubeTarget(found, np.array(keys.radius)))
+    if keys.mesh is not None:
+        path = loaded.folder / keys.mesh
+        radius = _within(loaded, ("target", "mesh"), lambda: around.of_mesh(found, read_mesh(path)))
+    elif keys.implicit is not None:
+        value = parse(keys.implicit, SPACE, "implicit expression")
+        radius = _within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value))
+    else:
+        radius = np.array(keys.radius)
+    return TubeTarget(found, radius)
 
 
 def build_seed(loaded: Loaded, target: Target) -> Design:

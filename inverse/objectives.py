@@ -236,7 +236,7 @@ def coverage(goal: Goal) -> list[Elements]:
 
 @objective("fairness", default_weight=5e-5, tube_weight=5e-4)  # a tube's section is flattened easily
 def fairness(goal: Goal) -> list[Elements]:
-    """Second differences, at every second vertex along a line, of the displacement from the seed.
+    """Second differences, at every second vertex along a line, of the displacement from the seed (a tube's bent).
 
     Every second vertex, because a corrugation moves its two layers apart: each layer by itself is to be even. They
     are divided by the squared distance of the vertices, so that a smooth displacement counts the same at every
@@ -245,7 +245,8 @@ def fairness(goal: Goal) -> list[Elements]:
     model = goal.model
     triples = [triple for line in model.pattern.lines for triple in _every_second(line)]
     vertices = np.array(triples, np.int64).reshape(-1, 3)
-    a, b, c = model.seed_points[vertices].transpose(1, 0, 2)
+    seed = model.seed_points if goal.tube is None else tube_fit.bent(model, goal.tube)
+    a, b, c = seed[vertices].transpose(1, 0, 2)
     # The difference is a length, the distance squared: one factor of the refinement is left.
     kernel = Kernel("fairness", lambda q, p: model.refinement * (q[:3] - 2 * q[3:6] + q[6:] - p), 9, 3)
     return [Elements("fairness", kernel, model.variables_of(vertices), a - 2 * b + c)] if triples else []
@@ -255,9 +256,10 @@ def _every_second(line: tuple[int, ...]) -> list[tuple[int, int, int]]:
     """Vertices two apart along a line; around a closed one, which repeats its first vertex, without an end."""
     if line[0] != line[-1]:
         return [(line[k - 2], line[k], line[k + 2]) for k in range(2, len(line) - 2)]
-    n = len(line) - 1
+    ring = line[:-1]
+    n = len(ring)
     step = 2 if n > 4 else 1  # two before and two after are the same of four vertices around
-    return [(line[k - step], line[k], line[(k + step) % n]) for k in range(n)]
+    return [(ring[k - step], ring[k], ring[(k + step) % n]) for k in range(n)]
 
 
 @objective("evenness", default_weight=6e-5)

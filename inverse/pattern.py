@@ -110,9 +110,16 @@ class Pattern:
 
     @cached_property
     def degrees_of_freedom(self) -> int:
-        """3V - 2 V_int - sum(s - 3): the dimension of a disk's solution space (5(m+n)+1 for a grid)."""
+        """The dimension of the solution space, rigid motions and the motion itself included.
+
+        Of a disk 3V - 2 V_int - sum(s - 3), which is 5(m + n) + 1 for a grid. Around a tube one strip of k facets
+        closes by 3(k - 2)/2 more equations, and three of every closed line of vertices then follow from the others: of
+        n rows of facets 3n + 7k/2 is left, as measured at generic tubes.
+        """
         planarity = sum(len(face) - 3 for face in self.faces_vertices)
-        return 3 * self.n_vertices - 2 * len(self.interior_vertices) - planarity
+        count = 3 * self.n_vertices - 2 * len(self.interior_vertices) - planarity
+        closed = [len(line) - 1 for line in self.lines if line[0] == line[-1]] if self.n_holes == 1 else []
+        return count - 3 * (closed[0] - 2) // 2 + 3 * len(closed) if closed else count
 
     @cached_property
     def lines(self) -> tuple[tuple[int, ...], ...]:

@@ -167,7 +167,7 @@ def _rows(pattern: Pattern) -> list[list[int]]:
 
 
 def _own_axes(seed: Design) -> FloatArray:
-    """Rows x, y (in the sheet) and z: along the drifts of a grid, else the principal axes of the vertices."""
+    """Rows x, y (in the sheet) and z: along the drifts of a grid or a tube, else the principal axes of the vertices."""
     points = seed.vertices_coords
     if seed.pattern.grid is not None and seed.pattern.n_holes == 0:
         u, v = drifts(seed.pattern, points)
@@ -178,5 +178,9 @@ def _own_axes(seed: Design) -> FloatArray:
         # The side from which the facets turn counter-clockwise is the top.
         a, b, c = points[list(seed.pattern.faces_vertices[0][:3])]
         z = z if np.cross(b - a, c - a) @ z > 0 else -z
+        if seed.pattern.grid is not None:
+            table = points.reshape(seed.pattern.grid[0], -1, 3)
+            u = (table[:, -1] - table[:, 0]).mean(axis=0)  # from one open end to the other
+            z = z - (z @ u) / (u @ u) * u
     x, z = u / np.linalg.norm(u), z / np.linalg.norm(z)
     return np.stack([x, np.cross(z, x), z])

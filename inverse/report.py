@@ -15,7 +15,7 @@ from inverse.certify import Certificate
 from inverse.context import Context, read_city_json, triangulated
 from inverse.errors import InputError
 from inverse.files import write_atomically
-from inverse.pattern import Design
+from inverse.pattern import CFL, Design
 from inverse.pictures.design_state import Surface
 from inverse.repair import Repair
 from inverse.solve import Result
@@ -26,8 +26,9 @@ PACKAGES = ("inverse", "casadi", "numpy", "scipy", "pyvista", "trimesh", "libigl
 
 def files(folder: Path) -> list[Path]:
     """The files of a result that are there; pictures may be missing."""
-    names = ("design.fold", "certificate.json", "report.json", "design.png", "states.png", "crease_pattern.svg")
-    return [folder / name for name in names if (folder / name).exists()]
+    written = ("design.fold", "certificate.json", "report.json")
+    pictured = ("design.png", "states.png", "crease_pattern.svg", "layers.svg")
+    return [folder / name for name in written + pictured if (folder / name).exists()]
 
 
 def output_folder(name: str, given: Path | None) -> Path:
@@ -129,6 +130,10 @@ def _write(
 
 def _write_pictures(design: Design, target: Surface | None, context: Surface | None, folder: Path) -> list[str]:
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
+    if (design.pattern.edges_type == CFL).any():
+        pictures.layers_picture(design, folder / "layers.svg")
+    else:
+        (folder / "layers.svg").unlink(missing_ok=True)  # the developed state has a single layer
     missing = pictures.can_render()
     if missing is not None:
         for name in ("design.png", "states.png"):

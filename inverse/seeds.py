@@ -32,6 +32,7 @@ SECTIONS: dict[int, Section] = {
 }
 #: Closed sections by the word that specifications use.
 NAMED_SECTIONS: dict[str, Section] = {
+    **{f"{k}-gon": section for k, section in SECTIONS.items()},
     "plus": (
         *((1, 1, 1), (1, -1, 1), (1, 1, 1), (1, -1, 1), (-1, -1, 1), (1, -1, 1)),
         *((-1, -1, 1), (-1, 1, 1), (-1, -1, 1), (-1, 1, 1), (1, 1, 1), (-1, 1, 1)),
@@ -213,11 +214,28 @@ def tube(
         column = edges // (n_rows + 1)
         return np.asarray(np.where(column[:, 0] == column[:, 1], np.array(types)[column[:, 0]], FL), np.int8)
 
-    pairs = crossing_facets(points, faces[j == 0].tolist())  # all rows have the same section
-    if len(pairs):
-        raise InputError(f"the section crosses itself: steps {pairs[0, 0]} and {pairs[0, 1]} meet (counted from 0)")
+    meeting = _meeting(ring[:, :2], points, faces[j == 0].tolist())  # all rows have the same section
+    if meeting is not None:
+        raise InputError(f"the section crosses itself: steps {meeting[0]} and {meeting[1]} meet (counted from 0)")
     pattern = Pattern.from_faces(faces.tolist(), k * (n_rows + 1), edge_types, grid=(k, n_rows))
     return Design(pattern, points, unit, name)
+
+
+def _meeting(corners: FloatArray, points: FloatArray, row: list[list[int]]) -> tuple[int, int] | None:
+    """Two steps of a closed section, corners (k, 2), that cross or touch; its first row of facets shows crossings."""
+    pairs = crossing_facets(points, row)
+    if len(pairs):
+        return int(pairs[0, 0]), int(pairs[0, 1])
+    # What only touches, up to rounding, is no crossing yet: corners on steps that they do not belong to.
+    k, steps = len(corners), np.roll(corners, -1, axis=0) - corners
+    along = np.einsum("csx,sx->cs", corners[:, None] - corners, steps) / np.einsum("sx,sx->s", steps, steps)
+    beside = corners[:, None] - corners - np.clip(along, 0, 1)[..., None] * steps
+    distances = np.linalg.norm(beside, axis=2)
+    c = np.arange(k)
+    distances[c, c] = distances[c, c - 1] = np.inf
+    corner, step = divmod(int(np.argmin(distances)), k)
+    touches = distances[corner, step] < 1e-9 * np.abs(corners - corners[0]).max()
+    return (min(corner, step), max(corner, step)) if touches else None
 
 
 def _size(size: tuple[int, int]) -> tuple[int, int]:

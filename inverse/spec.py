@@ -20,6 +20,7 @@ from inverse.fields import (
     Number,
     Plane,
     Point,
+    Polygon,
     Polyline,
     Positive,
     refusal,
@@ -89,11 +90,14 @@ class Fit(Model):
 class Place(Model):
     """Where anchored vertices are held."""
 
-    one_of: ClassVar[tuple[str, ...]] = ("point", "polyline", "plane", "circle")
+    one_of: ClassVar[tuple[str, ...]] = ("point", "polyline", "polygon", "plane", "circle")
     what: ClassVar[str] = "an anchor's place"
 
     point: Point | None = Field(default=None, description="one point [x, y, z] for all")
     polyline: Polyline | None = Field(default=None, description="two or more points [x, y, z]")
+    polygon: Polygon | None = Field(
+        default=None, description="three or more points [x, y, z] of a closed polyline, the first not repeated"
+    )
     plane: Plane | None = Field(default=None, description="a plane, by point and normal")
     circle: Circle | None = Field(default=None, description="a circle, by center, normal and radius")
 
@@ -117,14 +121,14 @@ class Anchor(Model):
             word("side", {"u0": "", "u1": "", "v0": "", "v1": "", "ends": ""}),
         ]
         | None
-    ) = Field(default=None, description="side whose vertices are held: u0, u1, v0, v1 or ends")
+    ) = Field(default=None, description="side whose vertices are held: u0, u1, v0, v1; of a tube v0, v1 or ends (both)")
     vertices: (
         Annotated[tuple[Annotated[Integer, Field(ge=0)], ...], Field(min_length=1), AfterValidator(_different)] | None
     ) = Field(default=None, description="numbers of the vertices that are held, counted from 0")
     every: Annotated[Integer, Field(ge=1)] = Field(
         default=1, description="1 to hold all of them, 2 to hold every second, and so on"
     )
-    to: Place = Field(description="where they are held: point, polyline, plane or circle")
+    to: Place = Field(description="where they are held: point, polyline, polygon, plane or circle")
 
 
 class KeepOut(Model):

@@ -65,7 +65,7 @@ class Axis(Model):
 
 
 Share = Annotated[Number, Field(ge=0, le=1)]
-Profile = Annotated[tuple[Annotated[tuple[Share, Positive], row("fraction", "radius")], ...], Field(min_length=2)]
+Profile = tuple[Annotated[tuple[Share, Positive], row("fraction", "radius")], ...]
 
 
 def _tag_of_radius(value: Any) -> str:
@@ -73,24 +73,51 @@ def _tag_of_radius(value: Any) -> str:
 
 
 def _check_profile(radius: float | tuple[tuple[float, float], ...]) -> float | tuple[tuple[float, float], ...]:
-    fractions = [pair[0] for pair in radius] if isinstance(radius, tuple) else []
+    if not isinstance(radius, tuple):
+        return radius
+    fractions = [pair[0] for pair in radius]
+    if len(fractions) < 2:
+        raise refusal("a profile needs two or more pairs [fraction, radius]", "Write one number for the same radius.")
     for a, b in itertools.pairwise(fractions):
         if b <= a:
             raise refusal(f"the fractions of the profile must increase, but {b:g} follows {a:g}")
     return radius
 
 
+def _check_implicit(text: str) -> str:
+    from inverse.target.expression import SPACE, parse  # casadi is loaded where it is needed
+
+    try:
+        parse(text, SPACE, "implicit expression")
+    except InputError as error:
+        raise refusal(error.message, error.hint) from None
+    return text
+
+
 class TubeTarget(Model):
-    """A round tube around an axis."""
+    """A tube around an axis, by its radius or by a surface whose mean distance from the axis is the radius."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("radius", "mesh", "implicit")
+    what: ClassVar[str] = "a target around an axis"
 
     axis: Axis = Field(description="the centre line of the tube, by exactly one of polyline, spline and arc")
-    radius: Annotated[
-        Annotated[Positive, Tag("<number>")] | Annotated[Profile, Tag("<profile>")],
-        Discriminator(_tag_of_radius),
-        AfterValidator(_check_profile),
-    ] = Field(
+    radius: (
+        Annotated[
+            Annotated[Positive, Tag("<number>")] | Annotated[Profile, Tag("<profile>")],
+            Discriminator(_tag_of_radius),
+            AfterValidator(_check_profile),
+        ]
+        | None
+    ) = Field(
+        default=None,
         description="rms distance of a ring's facet centroids from the axis, one number or [[fraction of the length,"
-        " radius], ...]"
+        " radius], ...]",
+    )
+    mesh: FileName | None = Field(
+        default=None, description="mesh file of a surface around the axis, looked up beside the specification"
+    )
+    implicit: Annotated[str, AfterValidator(_check_implicit)] | None = Field(
+        default=None, description="surface around the axis where an expression in x, y and z is zero, x^2 + y^2 - 1"
     )
 
 

@@ -82,7 +82,7 @@ def fit(model: DesignModel, target: TubeTarget) -> list[Elements]:
             after = (i + 1) % k
             centroid = (low[:, i] + high[:, i] + low[:, after] + high[:, after]) / 4
             offset = centroid - feet[:, i]
-            squares.append(casadi.sumsqr(offset) - casadi.dot(offset, tangents[:, i]) ** 2)
+            squares.append(casadi.sumsqr(offset - casadi.dot(offset, tangents[:, i]) * tangents[:, i]))
             total += centroid / k
         beside = total - foot
         along = casadi.dot(beside, tangent)
@@ -99,7 +99,8 @@ def foot_parameters(model: DesignModel, target: TubeTarget, points: FloatArray) 
     centroids = ring_centroids(model.pattern, points)
     count = len(centroids)
     at, own = target.stations(centroids.mean(axis=1)), target.stations(centroids.reshape(-1, 3))
-    lag = (at.fractions - _shares(model)) * target.axis.length
+    places = _fractions(model, ring_centroids(model.pattern, model.seed.vertices_coords).mean(axis=1))
+    lag = (at.fractions - places) * target.axis.length
     return np.column_stack(
         [
             model.to_dimensionless(at.points), at.tangents, at.radii / model.scale, at.slopes, lag / model.scale,
@@ -123,13 +124,36 @@ def coverage(model: DesignModel, target: TubeTarget) -> list[Elements]:
     return [Elements("coverage", Kernel("coverage", residual, 3 * k, 6), model.variables_of(vertices), parameters)]
 
 
-def _shares(model: DesignModel) -> FloatArray:
-    """Fractions (R,) of the seed's length at which its rings lie."""
-    ends = model.seed.vertices_coords[ring_vertices(model.pattern)].mean(axis=1)
-    axis = ring_centroids(model.pattern, model.seed.vertices_coords).mean(axis=1)
-    along = axis[-1] - axis[0]
-    places = ends @ along
-    return np.asarray((axis @ along - places[0]) / (places[-1] - places[0]))
+def bent(model: DesignModel, target: TubeTarget) -> FloatArray:
+    """The seed's vertices, (V, 3) dimensionless, carried along when its axis is bent into the target's.
+
+    Every section is turned from the seed's direction into that of the axis and grows as the radius does. Angles and
+    planes are not kept: it is what a fair design resembles, not a design.
+    """
+    points, rings = model.seed.vertices_coords, ring_centroids(model.pattern, model.seed.vertices_coords)
+    centre, along = rings.mean(axis=(0, 1)), _direction(model)
+    radius = np.sqrt(np.mean(np.sum(np.cross(rings - centre, along) ** 2, axis=2)))
+    t = _fractions(model, points)
+    beside = points - centre
+    beside = beside - (beside @ along)[:, None] * along
+    tangents = target.axis.tangents(t)
+    turned = beside - (np.einsum("ij,ij->i", beside, tangents) / (1 + tangents @ along))[:, None] * (along + tangents)
+    return model.to_dimensionless(target.axis.at(t) + (target.radii(t) / radius)[:, None] * turned)
+
+
+def _direction(model: DesignModel) -> FloatArray:
+    """Unit vector (3,) along the seed's straight axis."""
+    rings = ring_centroids(model.pattern, model.seed.vertices_coords).mean(axis=1)
+    return geometry.unit(rings[-1] - rings[0])
+
+
+def _fractions(model: DesignModel, points: FloatArray) -> FloatArray:
+    """Fractions (N,) of the seed's length beside which points (N, 3) lie."""
+    along = _direction(model)
+    first, last = (
+        model.seed.vertices_coords[ring].mean(axis=0) @ along for ring in ring_vertices(model.pattern)[[0, -1]]
+    )
+    return np.asarray((points @ along - first) / (last - first))
 
 
 def _across(offsets: FloatArray, tangents: FloatArray) -> FloatArray:

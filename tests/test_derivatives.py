@@ -26,8 +26,10 @@ from inverse.objectives import OBJECTIVES, Goal
 from inverse.packed import Packed
 from inverse.pattern import Design
 from inverse.target import Target
+from inverse.target.axis import arc
 from inverse.target.mesh import MeshTarget
 from inverse.target.parametric import BetweenTarget, HeightTarget
+from inverse.target.tube import TubeTarget
 
 MESHES: dict[str, Callable[[], Design]] = {
     "grid": lambda: hybrid(2),
@@ -130,6 +132,11 @@ def mesh() -> Target:
     return MeshTarget(np.c_[x, y, 0.03 * x * y + 0.2 * np.sin(x)], faces)
 
 
+def tube_target() -> Target:
+    """A bent one that passes through the middle of the meshes."""
+    return TubeTarget(arc([-3.0, -8, 0], [4, -4, 2], [6, 5, -1]), np.array([[0.0, 2.0], [0.6, 1.5], [1.0, 2.5]]))
+
+
 GOALS: dict[str, tuple[Callable[[], Target], objectives.FitPoints]] = {
     "height": (
         lambda: HeightTarget("0.4 - 0.03*(x^2 + y^2) + 0.1*sin(x*y/4)", [[-30, 30], [-30, 30]]),
@@ -141,6 +148,7 @@ GOALS: dict[str, tuple[Callable[[], Target], objectives.FitPoints]] = {
     "mesh, vertices": (mesh, "vertices"),
     "between": (between, "facets"),
     "mesh, layer": (mesh, "layer"),
+    "tube": (tube_target, "facets"),
     "height, layer": (lambda: HeightTarget("0.1*x*x - y", [[-30, 30], [-30, 30]]), "layer"),
 }
 
@@ -278,6 +286,17 @@ def test_objectives(mesh: str, goal: str) -> None:
         return
     for term in OBJECTIVES:
         assert_derivatives(targeted(mesh, goal, tuple(OBJECTIVES)), term)
+
+
+@pytest.mark.parametrize("goal", ["tube", "mesh"])
+def test_objectives_of_a_tube(goal: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ring by ring towards an axis, facet by facet towards any other target."""
+    monkeypatch.setitem(MESHES, "tube", tube)
+    task = targeted.__wrapped__("tube", goal, tuple(OBJECTIVES))
+    for term in OBJECTIVES:
+        assert_derivatives(task, term)
+    fit = next(o.elements for o in task.problem.objectives if o.name == "fit")
+    assert fit.count == {"tube": 4, "mesh": 24}[goal]
 
 
 @pytest.mark.parametrize("mesh", MESHES)

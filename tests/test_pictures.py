@@ -10,13 +10,14 @@ from typing import NoReturn
 import designs
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
-from inverse import geometry, pictures
+from inverse import folding, geometry, pictures
 from inverse.pattern import CFL, Design
 from inverse.pictures import rendering
 from inverse.pictures.colours import EDGE_COLOURS, edge_kinds, rgb
 from inverse.pictures.design_state import design_scene
-from inverse.pictures.sheets import lay_out
+from inverse.pictures.sheets import lay_out, stacked
 from inverse.pictures.states import states_scene
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -140,6 +141,39 @@ def test_same_design_gives_the_same_bytes(tmp_path: Path):
     for name in ("a.svg", "b.svg"):
         pictures.crease_pattern_picture(designs.hybrid(), tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+@pytest.mark.parametrize("make", [designs.tube, designs.hybrid, designs.miura, lambda: designs.tube(8, 5)])
+def test_layers_lie_where_they_are_in_the_developed_state(make: Callable[[], Design]):
+    """All together they are the developed state, turned and moved, and every facet is there once."""
+    design = make()
+    flat, sheets = folding.flat_state(design, 0.0), stacked(design)
+    assert sorted(f for s in sheets for f in s.faces) == list(range(len(design.pattern.faces_vertices)))
+    vertices = np.concatenate([s.vertices for s in sheets])
+    points = np.concatenate([s.points for s in sheets])
+    designs.assert_close(designs.best_motion(points, flat[vertices, :2]), flat[vertices, :2], 1e-9)
+    assert np.ptp(points[:, 0]) >= np.ptp(points[:, 1])
+
+
+@pytest.mark.parametrize("k", [4, 6, 8])
+def test_the_uppermost_layer_is_drawn_last(k: int, tmp_path: Path):
+    """Where two layers have vertices near each other, the later one lies higher shortly before the state is flat."""
+    design = designs.tube(k, 5)
+    pictures.layers_picture(design, tmp_path / "layers.svg")
+    svg = ET.parse(tmp_path / "layers.svg").getroot()
+    near, sheets = folding.flat_state(design, 0.02), stacked(design)
+    compared = 0
+    for n, upper in enumerate(sheets):
+        kinds = [g for g in group(svg, f"layer-{n + 1}") if not g.get("id", "").endswith("sheets")]
+        assert sum(len(g) for g in kinds) == len(upper.edges)
+        for lower in sheets[:n]:
+            tree = cKDTree(near[lower.vertices, :2])
+            gaps, beside = tree.query(near[upper.vertices, :2])
+            pairs = gaps < 0.3
+            rise = near[upper.vertices, 2][pairs] - near[lower.vertices[beside], 2][pairs]
+            compared += int(pairs.sum())
+            assert rise.sum() >= -1e-9
+    assert compared > 0
 
 
 def seen(scene, points: np.ndarray) -> np.ndarray:

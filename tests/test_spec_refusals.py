@@ -29,7 +29,7 @@ def refusal(tmp_path: Path) -> Any:
 
 LINES = "is no line type: allowed are FL (foldline), CFL (complementary foldline)."
 TARGETS = "mesh, height, between, axis"
-PLACES = "point, polyline, plane, circle"
+PLACES = "point, polyline, polygon, plane, circle"
 UNITS = "unit (none), m, cm, mm, um, nm, in (inches)"
 TO = "{polyline: [[0, 0, 0], [1, 0, 0]]}"
 TARGET = '{height: "0.45 - 0.3*(x^2 + y^2)", domain: [[-1, 1], [-1, 1]]}'
@@ -59,7 +59,7 @@ UNKNOWN_KEYS = [
     (
         "{height:",
         "{|hieght:",
-        f'"hieght" is no key of target: allowed are {TARGETS}, domain, profile, radius, rise. Did you mean height?',
+        f'"hieght" is no key of target: allowed are {TARGETS}, domain, implicit, profile, radius, rise. Did you',
     ),
     (
         "side: u0,",

@@ -17,7 +17,7 @@ from inverse.errors import InputError
 from inverse.fold_format import frame_of
 from inverse.pattern import CFL, Design
 
-SECTIONS = {str(k): steps for k, steps in seeds.SECTIONS.items()} | seeds.NAMED_SECTIONS
+SECTIONS = seeds.NAMED_SECTIONS
 
 
 def assert_certified(design: Design) -> None:

@@ -1,8 +1,15 @@
 """Pictures of designs: 3D views as PNG, crease patterns as SVG. VTK is loaded in processes of its own."""
 
-from inverse.pictures.crease_pattern import crease_pattern_picture
+from inverse.pictures.crease_pattern import crease_pattern_picture, layers_picture
 from inverse.pictures.design_state import design_picture
 from inverse.pictures.rendering import can_render
-from inverse.pictures.states import states_picture
+from inverse.pictures.states import process_picture, states_picture
 
-__all__ = ["can_render", "crease_pattern_picture", "design_picture", "states_picture"]
+__all__ = [
+    "can_render",
+    "crease_pattern_picture",
+    "design_picture",
+    "layers_picture",
+    "process_picture",
+    "states_picture",
+]

@@ -14,12 +14,13 @@ from inverse import geometry
 from inverse.files import write_atomically
 from inverse.pattern import CFL, Design, FloatArray, IntArray
 from inverse.pictures.colours import EDGE_COLOURS, INK, PAPER, edge_kinds
-from inverse.pictures.sheets import Sheet, lay_out
+from inverse.pictures.sheets import Sheet, lay_out, stacked
 
 # The page, in pixels.
 _DRAWING = (1400.0, 1000.0)  # the drawing fits into this box
 _MARGIN, _HEAD, _FOOT, _LEAST_WIDTH = 48.0, 78.0, 92.0, 1100.0
 _LEAST_TEXT = 5.0
+_LOWEST_SEEN = 0.25  # share of the lowest layer's ink that is seen through all others
 
 
 def crease_pattern_picture(design: Design, path: Path) -> None:
@@ -34,7 +35,28 @@ def crease_pattern_picture(design: Design, path: Path) -> None:
         design: the design.
         path: the SVG file to write.
     """
-    write_atomically(path, _document(design))
+    sheets = lay_out(design)
+    note = "Developed state (t = 0°), seen from the top side."
+    if len(sheets) > 1:
+        note = (
+            f"Developed state (t = 0°) in {len(sheets)} sheets, laid side by side with the top side up. "
+            "Equal numbers are joined by a complementary foldline."
+        )
+    write_atomically(path, _document(design, "crease pattern", sheets, note, in_layers=False))
+
+
+def layers_picture(design: Design, path: Path) -> None:
+    """Write the developed state of a design as SVG with its layers where they lie, like the paper's Figure 9.
+
+    Every layer is a group of its own, translucent, with its lines in their four colours, the lowest layer first.
+
+    Args:
+        design: the design.
+        path: the SVG file to write.
+    """
+    sheets = stacked(design)
+    note = f"Developed state (t = 0°), its {len(sheets)} layers where they lie, seen from above the uppermost."
+    write_atomically(path, _document(design, "layers", sheets, note, in_layers=True))
 
 
 @dataclass(frozen=True)
@@ -51,8 +73,7 @@ class _Page:
         return self.left + self.scale * float(point[0]), self.base - self.scale * float(point[1])
 
 
-def _document(design: Design) -> str:
-    sheets = lay_out(design)
+def _document(design: Design, what: str, sheets: list[Sheet], note: str, *, in_layers: bool) -> str:
     kinds = edge_kinds(design.pattern, geometry.fold_angles(design.pattern, design.vertices_coords))
     edge_length = float(np.median(geometry.edge_lengths(design.pattern, design.vertices_coords)))
     page = _page(sheets)
@@ -63,15 +84,21 @@ def _document(design: Design) -> str:
         viewBox=f"0 0 {_px(page.width)} {_px(page.height)}",
     )  # fmt: skip
     svg.set("font-family", "Helvetica, Arial, sans-serif")
-    ET.SubElement(svg, "title").text = f"{design.name}: crease pattern"
+    ET.SubElement(svg, "title").text = f"{design.name}: {what}"
     ET.SubElement(svg, "rect", width="100%", height="100%", fill="#ffffff")
     drawing = ET.SubElement(
-        svg, "g", id="crease-pattern",
+        svg, "g", id=what.replace(" ", "-"),
         transform=f"translate({_px(page.left)} {_px(page.base)}) scale({page.scale:.9g} {-page.scale:.9g})",
     )  # fmt: skip
-    _draw(drawing, design, sheets, kinds, stroke / page.scale)
-    _number_seams(svg, design, sheets, page, page.scale * edge_length)
-    _head(svg, design, len(sheets))
+    if in_layers:
+        opacity = 1 - _LOWEST_SEEN ** (1 / max(1, len(sheets) - 1))
+        for k, sheet in enumerate(sheets):
+            layer = ET.SubElement(drawing, "g", id=f"layer-{k + 1}")
+            _draw(layer, design, [sheet], kinds, stroke / page.scale, f"layer-{k + 1}-", opacity=opacity)
+    else:
+        _draw(drawing, design, sheets, kinds, stroke / page.scale)
+        _number_seams(svg, design, sheets, page, page.scale * edge_length)
+    _head(svg, design, note)
     _legend(svg, page)
     _scale_bar(svg, page, design.unit)
     ET.indent(svg, " ")
@@ -89,7 +116,10 @@ def _page(sheets: list[Sheet]) -> _Page:
     return _Page(scale, float(left), float(base), width, math.ceil(_HEAD + drawn[1] + _FOOT))
 
 
-def _draw(drawing: ET.Element, design: Design, sheets: list[Sheet], kinds: IntArray, stroke: float) -> None:
+def _draw(
+    drawing: ET.Element, design: Design, sheets: list[Sheet], kinds: IntArray, stroke: float, prefix: str = "",
+    opacity: float = 1.0,
+) -> None:  # fmt: skip
     """Sheets of paper and, over them, one group of lines per kind of edge; lengths in the design's unit."""
     size = float(np.ptp(np.concatenate([s.points for s in sheets]), axis=0).max())
     digits = max(0, 7 - math.floor(math.log10(size)))
@@ -100,14 +130,16 @@ def _draw(drawing: ET.Element, design: Design, sheets: list[Sheet], kinds: IntAr
         return "0" if text == "-0" else text
 
     faces = design.pattern.faces_vertices
-    papers = ET.SubElement(drawing, "g", id="sheets", fill=PAPER)
+    papers = ET.SubElement(drawing, "g", id=f"{prefix}sheets", fill=PAPER)
+    if opacity < 1:
+        papers.set("fill-opacity", f"{opacity:.3g}")
     for sheet in sheets:
         outlines = (sheet.place_of(np.array(faces[f])).tolist() for f in sheet.faces)
         parts = ("M" + "L".join(f"{number(x)} {number(y)}" for x, y in outline) + "Z" for outline in outlines)
         ET.SubElement(papers, "path", d="".join(parts))
     # Folds first, so that the outline lies over their ends.
     for kind, (name, colour) in enumerate(EDGE_COLOURS.items()):
-        group = ET.SubElement(drawing, "g", id=name.replace(" ", "-"), stroke=colour)
+        group = ET.SubElement(drawing, "g", id=prefix + name.replace(" ", "-"), stroke=colour)
         group.set("stroke-width", f"{stroke:.6g}")
         group.set("stroke-linecap", "round")
         for sheet in sheets:
@@ -166,13 +198,7 @@ def _label(group: ET.Element, ends: FloatArray, inside: FloatArray, text: str, p
     label.text = text
 
 
-def _head(svg: ET.Element, design: Design, n_sheets: int) -> None:
-    note = "Developed state (t = 0°), seen from the top side."
-    if n_sheets > 1:
-        note = (
-            f"Developed state (t = 0°) in {n_sheets} sheets, laid side by side with the top side up. "
-            "Equal numbers are joined by a complementary foldline."
-        )
+def _head(svg: ET.Element, design: Design, note: str) -> None:
     _text(svg, design.name, _MARGIN, 34, 20, bold=True)
     _text(svg, note, _MARGIN, 56, 13)
 

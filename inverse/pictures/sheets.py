@@ -7,7 +7,7 @@ flat sheet; every sheet is shown with its top side up, next to the sheets it is 
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +20,7 @@ from inverse import folding, geometry
 from inverse.pattern import CFL, FL, Design, FloatArray, IntArray, Pattern
 
 ComplexArray = NDArray[np.complex128]
+NEARLY = 0.01  # radians before the developed state
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +68,22 @@ def lay_out(design: Design) -> list[Sheet]:
     if np.ptp(whole.imag) > np.ptp(whole.real):
         placed = [p * -1j for p in placed]
     return [Sheet(f, e, v, np.stack([p.real, p.imag], axis=1)) for (f, e, v), p in zip(parts, placed, strict=True)]
+
+
+def stacked(design: Design) -> list[Sheet]:
+    """The same sheets where they lie in the developed state, one over another, the lowest first."""
+    sheets, flat = lay_out(design), folding.flat_state(design, 0.0)
+    plane = flat[:, 0] + 1j * flat[:, 1]
+    plane -= plane.mean()
+    long = np.exp(0.5j * np.angle((plane**2).sum()))  # the direction in which it extends farthest
+    plane = plane * long.conjugate()
+    points = np.stack([plane.real, plane.imag], axis=1)
+    near = folding.flat_state(design, NEARLY)  # which lies over which is seen shortly before
+    level = np.c_[near[:, :2], np.ones(len(near))]
+    heights = near[:, 2] - level @ np.linalg.lstsq(level, near[:, 2], rcond=None)[0]
+    means = np.array([heights[sheet.vertices].mean() for sheet in sheets])
+    order = np.argsort(np.round(means / max(np.ptp(means), 1e-300), 6), kind="stable")  # side by side: as they were
+    return [replace(sheets[k], points=points[sheets[k].vertices]) for k in order]
 
 
 def _components(pattern: Pattern) -> IntArray:

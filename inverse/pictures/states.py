@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from inverse import folding, geometry
-from inverse.pattern import CFL, FL, Design, FloatArray
+from inverse.pattern import CFL, FL, Design, FloatArray, Pattern
 from inverse.pictures import drawing
 from inverse.pictures.camera import basis, parallel
 from inverse.pictures.design_state import wished_view
 from inverse.pictures.rendering import render
-from inverse.pictures.scene import Caption, Scene
+from inverse.pictures.scene import Caption, Scene, cells_of
 
 _WIDTH, _LEAST_HEIGHT, _MARGIN, _FOOT, _TEXT = 2400, 800, 80, 110, 40
 _TITLES = ("developed (t = 0°)", "design (t = 90°)", "flat-folded (t = 180°)")
@@ -41,27 +42,53 @@ def states_scene(design: Design) -> Scene:
     azimuth, elevation = wished_view(points)
     view = basis(azimuth, max(elevation, np.radians(32.0)))
     states = [_laid_out(design, 0.0), points, _laid_out(design, np.pi)]
+    faint = (_has_layers(design, 0.0), False, _has_layers(design, np.pi))
+    return _in_a_row(pattern, states, _TITLES, faint, view)
 
+
+def process_picture(designs: Sequence[Design], titles: Sequence[str], path: Path) -> None:
+    """Write a PNG of designs of one pattern side by side, such as those on the way from a seed to a result.
+
+    Args:
+        designs: of the same pattern, in their order; the view is the one that suits the last.
+        titles: one for each.
+        path: the PNG file to write.
+
+    Raises:
+        RuntimeError: 3D pictures cannot be rendered here, see :func:`inverse.pictures.can_render`.
+    """
+    azimuth, elevation = wished_view(designs[-1].vertices_coords)
+    states = [design.vertices_coords for design in designs]
+    faint = [False] * len(states)
+    render(_in_a_row(designs[-1].pattern, states, titles, faint, basis(azimuth, elevation)), path)
+
+
+def _in_a_row(
+    pattern: Pattern, states: Sequence[FloatArray], titles: Sequence[str], faint: Sequence[bool], view: FloatArray
+) -> Scene:
+    """Meshes of one pattern, vertices (V, 3) each, on one ground; ``faint`` ones are stacks of layers."""
     # Side by side as the viewer sees them, the middles on one level line on the ground, each over its caption.
     back = np.array([-view[2, 0], -view[2, 1], 0.0]) / np.hypot(view[2, 0], view[2, 1])
     states = [_centred(state, view[0], back) for state in states]
-    widths = np.array([np.ptp(state @ view[0]) for state in states])
-    words = np.array([0.56 * _TEXT * len(title) for title in _TITLES])
+    cells = cells_of(pattern.faces_vertices)
+    fallen = [drawing.shadow(state, cells, len(pattern.faces_vertices), view, 0.0).points for state in states]
+    across = [np.r_[state, shadow] @ view[0] for state, shadow in zip(states, fallen, strict=True)]
+    left, right = -np.array([x.min() for x in across]), np.array([x.max() for x in across])
+    words = np.array([0.28 * _TEXT * len(title) for title in titles])  # half their lengths
     upwards = np.concatenate(states) @ view[1]
-    gap, tall = 0.12 * widths.max(), float(np.ptp(upwards))
+    gap, tall = 0.12 * max(np.ptp(state @ view[0]) for state in states), float(np.ptp(upwards))
     pixel = least = tall / (_WIDTH - 2 * _MARGIN - _FOOT)
     for _ in range(20):  # the captions' lengths on the ground depend on the scale, and the scale on them
-        cells = np.maximum(widths, words * pixel) + gap
-        pixel = max(least, float(cells.sum() - gap) / (_WIDTH - 2 * _MARGIN))
-    middles = np.cumsum(cells) - cells / 2
+        before, after = (np.maximum(side, words * pixel) + gap / 2 for side in (left, right))
+        pixel = max(least, float((before + after).sum() - gap) / (_WIDTH - 2 * _MARGIN))
+    middles = np.cumsum(before + after) - after
     placed = [state + x * view[0] for state, x in zip(states, middles, strict=True)]
     height = int(np.clip(16 * np.ceil((tall / pixel + 2 * _MARGIN + _FOOT) / 16), _LEAST_HEIGHT, _WIDTH))
-    centre = np.array([cells.sum() / 2, (upwards.min() + upwards.max()) / 2 - _FOOT / 2 * pixel])
+    centre = np.array([(before + after).sum() / 2, (upwards.min() + upwards.max()) / 2 - _FOOT / 2 * pixel])
     camera = parallel(np.concatenate(placed), view, pixel, centre, height)
     scene = Scene((_WIDTH, height), camera)
-    sides = drawing.sides_of(pattern, points, view)
-    faint = (_has_layers(design, 0.0), False, _has_layers(design, np.pi))
-    for state, title, x, thin in zip(placed, _TITLES, middles, faint, strict=True):
+    sides = drawing.sides_of(pattern, states[len(states) // 2], view)
+    for state, title, x, thin in zip(placed, titles, middles, faint, strict=True):
         facets, edges = drawing.structure(pattern, state, view, None, pixel, sides, faint=thin)
         scene.facets.append(drawing.shadow(state, facets.cells, len(pattern.faces_vertices), view, -2 * pixel))
         scene.facets.append(facets)

@@ -1,4 +1,4 @@
-"""Height expressions such as ``0.45 - 0.3*(x^2 + y^2)``: parsed to CasADi, never evaluated as code.
+"""Expressions such as ``0.45 - 0.3*(x^2 + y^2)``: parsed to CasADi, never evaluated as code.
 
 The grammar::
 
@@ -25,7 +25,7 @@ from inverse.words import did_you_mean
 MAX_CHARACTERS = 2000
 MAX_DEPTH = 50
 
-VARIABLES = ("x", "y")
+PLAN, SPACE = ("x", "y"), ("x", "y", "z")  # variables of heights and of implicit surfaces
 CONSTANTS = {"pi": math.pi, "e": math.e}
 # Name -> function, smallest and largest number of arguments (None: any).
 FUNCTIONS: dict[str, tuple[Callable[..., casadi.SX], int, int | None]] = {
@@ -46,29 +46,31 @@ _EXAMPLE = "For example 0.45 - 0.3*(x^2 + y^2)."
 _MULTIPLY = "Write multiplication with a sign: 2*x, 3*(x + y)."
 
 
-def parse(text: str) -> casadi.Function:
-    """The function z(x, y) of a height expression, differentiable.
+def parse(text: str, variables: tuple[str, ...] = PLAN, what: str = "height expression") -> casadi.Function:
+    """The function that an expression stands for, differentiable.
 
     Args:
-        text: an expression in ``x`` and ``y`` with numbers, ``pi``, ``e``, ``+ - * /``, ``^`` or ``**`` for
+        text: an expression in the variables with numbers, ``pi``, ``e``, ``+ - * /``, ``^`` or ``**`` for
             powers, parentheses and the functions of :data:`FUNCTIONS`; angles in radians.
+        variables: :data:`PLAN` or :data:`SPACE`.
+        what: what the text is called in messages.
 
     Returns:
-        A CasADi function with scalar inputs x, y and a scalar output z.
+        A CasADi function with the variables as scalar inputs and a scalar output.
 
     Raises:
         InputError: the text is no such expression; the message names the part and its position in the text.
     """
     if len(text) > MAX_CHARACTERS:
         raise InputError(
-            f"the height expression has {len(text)} characters: at most {MAX_CHARACTERS} are allowed",
+            f"the {what} has {len(text)} characters: at most {MAX_CHARACTERS} are allowed",
             hint="Give a mesh as the target instead.",
         )
     if not text.strip():
-        raise InputError("the height expression is empty", hint=_EXAMPLE)
-    parser = _Parser(text)
-    z = casadi.densify(parser.whole())
-    return casadi.Function("height", list(parser.symbols.values()), [z], list(VARIABLES), ["z"])
+        raise InputError(f"the {what} is empty", hint=_EXAMPLE)
+    parser = _Parser(text, variables, what)
+    value = casadi.densify(parser.whole())
+    return casadi.Function("value", list(parser.symbols.values()), [value], list(variables), ["value"])
 
 
 class _Token(NamedTuple):
@@ -81,9 +83,9 @@ class _Token(NamedTuple):
 class _Parser:
     """Recursive descent over the grammar above; each method reads one rule and returns its value."""
 
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self.symbols = {name: casadi.SX.sym(name) for name in VARIABLES}
+    def __init__(self, text: str, variables: tuple[str, ...], what: str) -> None:
+        self.text, self.what = text, what
+        self.symbols = {name: casadi.SX.sym(name) for name in variables}
         self.values = self.symbols | {name: casadi.SX(value) for name, value in CONSTANTS.items()}
         self.tokens = self._tokens()
         self.at = 0
@@ -217,4 +219,4 @@ class _Parser:
 
     def _error(self, token: _Token, what: str, hint: str | None = None) -> InputError:
         part = token.text if len(token.text) <= 40 else f"{token.text[:37]}..."
-        return InputError(f"`{part}` at position {token.start + 1} of the height expression {what}", hint=hint)
+        return InputError(f"`{part}` at position {token.start + 1} of the {self.what} {what}", hint=hint)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -122,8 +123,8 @@ class TubeTarget(Target):
         t = np.linspace(0, 1, ALONG + 1)
         centres, tangents = self.axis.at(t), self.axis.tangents(t)
         across = [np.cross(tangents[0], np.eye(3)[np.argmin(np.abs(tangents[0]))])]
-        for tangent in tangents[1:]:  # carried along without a twist
-            across.append(across[-1] - (across[-1] @ tangent) * tangent)
+        for a, b in pairwise(tangents):  # carried along without a twist
+            across.append(across[-1] - (across[-1] @ b) / (1 + a @ b) * (a + b))
         first = np.array(across)
         first /= np.linalg.norm(first, axis=1, keepdims=True)
         second = np.cross(tangents, first)
