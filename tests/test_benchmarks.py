@@ -60,6 +60,14 @@ def test_robustness(method: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_panels() -> None:
+    header, *rows = run("benchmarks.panels", "--sizes", "4").splitlines()
+    assert len(rows) == 2
+    column = header.split().index("overlap")
+    assert [row.split()[column + 1] for row in rows] == ["0", "0"]
+
+
+@pytest.mark.slow
 def test_refine(tmp_path: Path) -> None:
     out = tmp_path / "refine.json"
     run("benchmarks.refine", "--sizes", "8", "--out", str(out))

@@ -42,7 +42,7 @@ def structure(
     normals = geometry.facet_normals(pattern, points)
     gaze = view[2] if eye is None else eye - geometry.facet_centroids(pattern, points)
     front = ((normals * gaze).sum(axis=-1) >= 0)[:, None]
-    share = _brightness(np.where(front, normals, -normals), light_of(view))
+    share = brightness(np.where(front, normals, -normals), light_of(view))
     shown = np.where(front, colours.blend(sides[0], share), colours.blend(sides[1], share))
     length = float(np.median(geometry.edge_lengths(pattern, points)))
     width = float(np.clip(0.035 * length / pixel, 0.5, 2.0)) * (0.5 if faint else 1.0)
@@ -65,7 +65,7 @@ def target(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple
     """A translucent surface and its rim."""
     # Blended in their order, far ones first: depth peeling shows nothing with some software renderers.
     triangles = triangles[np.argsort((vertices[triangles] @ view[2]).mean(axis=1), kind="stable")]
-    share = _brightness(_normals(vertices, triangles, view), light_of(view))
+    share = brightness(_normals(vertices, triangles, view), light_of(view))
     facets = Facets(vertices, cells_of(triangles), colours.blend(colours.TARGET, share), colours.TARGET_OPACITY)
     rim = _sharp_edges(vertices, triangles, None)
     return facets, Lines(vertices, rim, np.tile(colours.rgb(colours.TARGET[0]), (len(rim), 1)), 1.2)
@@ -74,7 +74,7 @@ def target(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple
 def buildings(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple[Facets, Lines]:
     """Walls in light grey, roofs warmer, and the edges where they meet."""
     normals = _normals(vertices, triangles, view)
-    share = _brightness(normals, light_of(view))
+    share = brightness(normals, light_of(view))
     roof = np.abs(normals[:, 2]) > 0.35
     shown = np.where(roof[:, None], colours.blend(colours.ROOF, share), colours.blend(colours.WALL, share))
     sharp = _sharp_edges(vertices, triangles, 20.0)
@@ -108,7 +108,7 @@ def shadow(points: FloatArray, cells: IntArray, count: int, view: FloatArray, he
     return Facets(fallen, cells, np.tile(colours.rgb(colours.SHADOW), (count, 1)))
 
 
-def _brightness(normals: FloatArray, light: FloatArray) -> FloatArray:
+def brightness(normals: FloatArray, light: FloatArray) -> FloatArray:
     """From 0 (turned away from the light) to 1."""
     share = np.clip((normals @ light + 0.35) / 1.35, 0, 1)
     return np.asarray(share)
