@@ -60,7 +60,7 @@ def states_scene(design: Design) -> Scene:
     camera = parallel(np.concatenate(placed), view, pixel, centre, height)
     scene = Scene((_WIDTH, height), camera)
     sides = drawing.sides_of(pattern, points, view)
-    faint = (_has_layers(design, 0.0), False, _has_layers(design, np.pi))
+    faint = (has_layers(design, 0.0), False, has_layers(design, np.pi))
     for state, title, x, thin in zip(placed, _TITLES, middles, faint, strict=True):
         facets, edges = drawing.structure(pattern, state, view, None, pixel, sides, faint=thin)
         scene.facets.append(drawing.shadow(state, facets.cells, len(pattern.faces_vertices), view, -2 * pixel))
@@ -70,20 +70,20 @@ def states_scene(design: Design) -> Scene:
     return scene
 
 
+def has_layers(design: Design, t: float) -> bool:
+    """Whether some edge is folded flat in this flat state."""
+    return bool((design.pattern.edges_type == (CFL if t == 0.0 else FL)).any())
+
+
 def _laid_out(design: Design, t: float) -> FloatArray:
     """A flat state, level, turned like the design and, where it has layers, with these apart."""
     flat = folding.flat_state(design, t)
-    if _has_layers(design, t):
+    if has_layers(design, t):
         near = folding.flat_state(design, abs(t - _NEARLY))
         plane = np.c_[near[:, :2], np.ones(len(near))]
         height = near[:, 2] - plane @ np.linalg.lstsq(plane, near[:, 2], rcond=None)[0]
         flat[:, 2] = height * (_THICKNESS * geometry.diagonal(flat) / max(np.ptp(height), 1e-300))
     return _turned_like(flat, design.vertices_coords)
-
-
-def _has_layers(design: Design, t: float) -> bool:
-    """Whether some edge is folded flat in this flat state."""
-    return bool((design.pattern.edges_type == (CFL if t == 0.0 else FL)).any())
 
 
 def _turned_like(flat: FloatArray, points: FloatArray) -> FloatArray:
