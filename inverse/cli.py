@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, CycloptsError, Parameter
 
+from inverse.cli_fold import fold
 from inverse.errors import InputError
+from inverse.terminal import Line
 
 if TYPE_CHECKING:
     from inverse.attempt import Progress
@@ -140,6 +141,9 @@ def repair(
     return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
 
 
+app.command(fold)
+
+
 @app.command
 def schema() -> int:
     """Print the JSON schema of specifications."""
@@ -213,33 +217,11 @@ def _repair_summary(result: Repair, folder: Path) -> dict[str, object]:
     }
 
 
-class _Watch:
-    """Shows the iterations on stderr: one line that changes on a terminal, else a line every few seconds."""
-
-    def __init__(self, every_s: float = 5.0) -> None:
-        self._terminal = sys.stderr.isatty()
-        self._every = 0.1 if self._terminal else every_s
-        self._last = time.monotonic()
-
-    def __enter__(self) -> _Watch:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._terminal:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
+class _Watch(Line):
+    """Shows the iterations on stderr."""
 
     def __call__(self, phase: str, progress: Progress) -> None:
-        now = time.monotonic()
-        if now - self._last < self._every:
-            return
-        self._last = now
-        line = (
+        self.show(
             f"{phase}, iteration {progress.iteration}: objective {progress.objective:.3e}, "
             f"largest violation {progress.violation:.1e}"
-        )
-        print(
-            f"\r\033[K{line}" if self._terminal else line,
-            end="" if self._terminal else "\n",
-            file=sys.stderr,
-            flush=True,
         )

@@ -14,14 +14,40 @@ from inverse.errors import InputError
 from inverse.files import write_atomically
 from inverse.fold_format import FoldFrame, read_frame
 from inverse.holes import hole_strips
-from inverse.pattern import EDGE_TYPE_NAMES, B, Design, IntArray, Pattern
+from inverse.pattern import EDGE_TYPE_NAMES, B, Design, FloatArray, IntArray, Pattern
 
 
 def document(design: Design) -> dict[str, Any]:
     """The FOLD document of a design: the design state as root frame, the two flat states as further frames."""
+    root = _root(design, geometry.fold_angles(design.pattern, design.vertices_coords))
+    root["file_frames"] = [_flat_frame(design, "developed", 0.0), _flat_frame(design, "flat-folded", np.pi)]
+    return root
+
+
+def state_document(design: Design, t: float, vertices_coords: FloatArray) -> dict[str, Any]:
+    """The FOLD document of one state of a design's motion, a single frame.
+
+    Mountains and valleys are those of the design, in the flat states too. These lie in the plane z = 0 and have two
+    coordinates.
+
+    Args:
+        design: the mesh in its design state.
+        t: the folding amount in radians.
+        vertices_coords: (V, 3) vertices of an intermediate state, wherever it is to stand.
+    """
+    state = _root(design, folding.fold_angles_at(design, np.array([t]))[0])
+    title = f"t = {np.degrees(t):g} degrees"
+    if t in (0.0, np.pi):
+        flat = folding.flat_state(design, t)[:, :2].tolist()
+        return state | {"frame_title": title, "frame_attributes": ["2D", "orientable"], "vertices_coords": flat}
+    return state | {"frame_title": title, "vertices_coords": vertices_coords.tolist()}
+
+
+def _root(design: Design, fold_angles: FloatArray) -> dict[str, Any]:
+    """The design state as root frame, but with these fold angles, (E,) in radians."""
     pattern = design.pattern
-    angles = np.degrees(geometry.fold_angles(pattern, design.vertices_coords))
-    assignment = np.where(pattern.edges_type == B, "B", np.where(angles > 0, "V", "M"))
+    valley = geometry.fold_angles(pattern, design.vertices_coords) > 0
+    assignment = np.where(pattern.edges_type == B, "B", np.where(valley, "V", "M"))
     root: dict[str, Any] = {
         "file_spec": 1.2,
         "file_creator": "inverse",
@@ -34,7 +60,7 @@ def document(design: Design) -> dict[str, Any]:
         "vertices_coords": design.vertices_coords.tolist(),
         "edges_vertices": pattern.edges_vertices.tolist(),
         "edges_assignment": assignment.tolist(),
-        "edges_foldAngle": angles.tolist(),
+        "edges_foldAngle": np.degrees(fold_angles).tolist(),
         "faces_vertices": [list(face) for face in pattern.faces_vertices],
         "bdffpq:edges_type": [EDGE_TYPE_NAMES[t] for t in pattern.edges_type],
         "bdffpq:topology": pattern.topology,
@@ -42,7 +68,6 @@ def document(design: Design) -> dict[str, Any]:
     }
     if pattern.grid is not None:
         root["bdffpq:grid"] = list(pattern.grid)
-    root["file_frames"] = [_flat_frame(design, "developed", 0.0), _flat_frame(design, "flat-folded", np.pi)]
     return root
 
 

@@ -95,6 +95,20 @@ def fold(design: Design, t: FloatArray | None = None) -> Motion:
     return Motion(t, angles, coords, gap)
 
 
+def facet_motions(design: Design, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Where every facet moves from its place in the design state: p -> rotation p + shift, facet 0 at rest.
+
+    Args:
+        design: the mesh in its design state.
+        t: (S,) folding amounts in radians within [0, pi].
+
+    Returns:
+        Rotations (S, F, 3, 3) and shifts (S, F, 3).
+    """
+    turned = fold_angles_at(design, t) - geometry.fold_angles(design.pattern, design.vertices_coords)
+    return _facet_motions(design, _hinge_rotations(design, turned))
+
+
 def folded_by(design: Design, turned: FloatArray) -> FloatArray:
     """Vertices (V, 3) after every edge has been folded further by its own angle, facet 0 at rest.
 

@@ -4,7 +4,7 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -39,11 +39,42 @@ def rabbit_ear(lacking: Callable[[str], NoReturn]) -> Callable[[dict[str, Any]],
     if not (NODE / "node_modules" / "rabbit-ear").is_dir():
         lacking("rabbit-ear is not installed: run `npm ci` in tests/node.")
 
-    def judge(fold: dict[str, Any]) -> dict[str, Any]:
-        done = subprocess.run(
-            [node, NODE / "validate.mjs"], input=json.dumps(fold), capture_output=True, text=True, timeout=60
-        )
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout)
+    return lambda fold: _answer(node, "validate.mjs", json.dumps(fold).encode())
 
-    return judge
+
+@pytest.fixture(scope="session")
+def gltf_issues(lacking: Callable[[str], NoReturn]) -> Callable[[bytes], list[str]]:
+    """Errors and warnings of the Khronos validator on a glTF file. Mark users as `node`."""
+    node = shutil.which("node")
+    if node is None:
+        lacking("node is not installed.")
+    if not (NODE / "node_modules" / "gltf-validator").is_dir():
+        lacking("gltf-validator is not installed: run `npm ci` in tests/node.")
+    return lambda content: _answer(node, "gltf.mjs", content)
+
+
+def _answer(node: str, program: str, question: bytes) -> Any:
+    done = subprocess.run([node, NODE / program], input=question, capture_output=True, timeout=60)
+    assert done.returncode == 0, done.stderr.decode()
+    return json.loads(done.stdout)
+
+
+# Without a graphics card, and without calling home.
+CHROMIUM = [
+    *("--no-sandbox", "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--no-first-run"),
+    *("--disable-quic", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
+]
+
+
+@pytest.fixture(scope="session")
+def browser(lacking: Callable[[str], NoReturn]) -> Iterator[Any]:
+    """Debian's chromium under playwright. Mark users as `browser`."""
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        lacking("chromium is not installed: on Debian, `apt-get install chromium`.")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=chromium, args=CHROMIUM)
+        yield running
+        running.close()

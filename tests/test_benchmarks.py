@@ -74,3 +74,12 @@ def test_refine(tmp_path: Path) -> None:
     document = json.loads(out.read_text())
     assert document["steps"][0]["residual"] < 1e-12
     assert all(row["certified"] and row["remaining"] < 1e-9 for row in document["drags"])
+
+
+@pytest.mark.slow
+def test_motion(tmp_path: Path) -> None:
+    out = tmp_path / "motion.json"
+    run("benchmarks.motion", "--sizes", "4", "--frames", "3", "--formats", "glb", "html", "--out", str(out))
+    rows = json.loads(out.read_text())["rows"]
+    assert [row["format"] for row in rows] == ["glb", "html"]
+    assert all(row["seconds"] > 0 and row["bytes"] > 1000 for row in rows)

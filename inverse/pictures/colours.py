@@ -30,6 +30,7 @@ TARGET = ("#2f7fb5", "#8fc7ea")
 TARGET_OPACITY = 0.3
 WALL = ("#a9a9a6", "#efefec")
 ROOF = ("#a98272", "#e8cdbf")
+PERSON = ("#3c4a55", "#8d9ba6")
 CONTEXT_EDGE = "#8d8d89"
 GROUND = ("#ffffff", "#f0f0ec")  # at the rim and in the middle
 SHADOW = "#dcdcd8"

@@ -18,6 +18,11 @@ def light_of(view: FloatArray) -> FloatArray:
     return np.asarray(light / np.linalg.norm(light))
 
 
+def sun_of(view: FloatArray) -> FloatArray:
+    """Direction (3,) to the light that throws the shadows: higher, so that they are as short as about noon."""
+    return np.asarray(light_of(view) + np.array([0.0, 0.0, 1.2]))
+
+
 def structure(
     pattern: Pattern,
     points: FloatArray,
@@ -26,7 +31,7 @@ def structure(
     pixel: float,
     sides: tuple[colours.Shades, colours.Shades],
     *,
-    faint: bool = False,
+    faint: float = 0.0,
 ) -> tuple[Facets, Lines]:
     """Facets and edges of a mesh.
 
@@ -37,7 +42,7 @@ def structure(
         eye: (3,) position of the viewer, None if far away.
         pixel: length of a pixel.
         sides: colours of the top side and of the other one.
-        faint: whether edges are drawn faintly, for stacks of layers that they would blacken.
+        faint: from 0 to 1, how faintly edges are drawn: for stacks of layers that they would blacken.
     """
     normals = geometry.facet_normals(pattern, points)
     gaze = view[2] if eye is None else eye - geometry.facet_centroids(pattern, points)
@@ -45,9 +50,9 @@ def structure(
     share = brightness(np.where(front, normals, -normals), light_of(view))
     shown = np.where(front, colours.blend(sides[0], share), colours.blend(sides[1], share))
     length = float(np.median(geometry.edge_lengths(pattern, points)))
-    width = float(np.clip(0.035 * length / pixel, 0.5, 2.0)) * (0.5 if faint else 1.0)
-    ink = colours.rgb(colours.LAYER_EDGE if faint else colours.FACET_EDGE)
-    edges = Lines(points, pattern.edges_vertices, np.tile(ink, (len(pattern.edges_vertices), 1)), width)
+    width = float(np.clip(0.035 * length / pixel, 0.5, 2.0)) * (1 - 0.5 * faint)
+    ink = colours.blend((colours.FACET_EDGE, colours.LAYER_EDGE), np.full(len(pattern.edges_vertices), faint))
+    edges = Lines(points, pattern.edges_vertices, ink, width)
     return Facets(points, cells_of(pattern.faces_vertices), shown), edges
 
 
@@ -73,13 +78,24 @@ def target(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple
 
 def buildings(vertices: FloatArray, triangles: IntArray, view: FloatArray) -> tuple[Facets, Lines]:
     """Walls in light grey, roofs warmer, and the edges where they meet."""
-    normals = _normals(vertices, triangles, view)
-    share = brightness(normals, light_of(view))
-    roof = np.abs(normals[:, 2]) > 0.35
+    share = brightness(_normals(vertices, triangles, view), light_of(view))
+    roof = are_roofs(vertices, triangles)
     shown = np.where(roof[:, None], colours.blend(colours.ROOF, share), colours.blend(colours.WALL, share))
     sharp = _sharp_edges(vertices, triangles, 20.0)
     ink = np.tile(colours.rgb(colours.CONTEXT_EDGE), (len(sharp), 1))
     return Facets(vertices, cells_of(triangles), shown), Lines(vertices, sharp, ink, 0.7)
+
+
+def are_roofs(vertices: FloatArray, triangles: IntArray) -> NDArray[np.bool_]:
+    """Which triangles (T,) of buildings are level enough to be roofs (or grounds)."""
+    a, b, c = vertices[triangles].transpose(1, 0, 2)
+    return np.asarray(np.abs(geometry.unit(np.cross(b - a, c - a))[:, 2]) > 0.35)
+
+
+def solid(vertices: FloatArray, triangles: IntArray, view: FloatArray, shades: colours.Shades) -> Facets:
+    """A surface of one colour."""
+    share = brightness(_normals(vertices, triangles, view), light_of(view))
+    return Facets(vertices, cells_of(triangles), colours.blend(shades, share))
 
 
 def ground(centre: FloatArray, radius: float, height: float) -> Facets:
@@ -101,8 +117,8 @@ def ground(centre: FloatArray, radius: float, height: float) -> Facets:
 
 
 def shadow(points: FloatArray, cells: IntArray, count: int, view: FloatArray, height: float) -> Facets:
-    """Where ``count`` polygons throw their shadow on the plane z = ``height``; a short one, as about noon."""
-    light = light_of(view) + np.array([0.0, 0.0, 1.2])
+    """Where ``count`` polygons throw their shadow on the plane z = ``height``."""
+    light = sun_of(view)
     fallen = points - np.outer((points[:, 2] - height) / light[2], light)
     fallen[:, 2] = height
     return Facets(fallen, cells, np.tile(colours.rgb(colours.SHADOW), (count, 1)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib.util
 import os
@@ -9,7 +10,8 @@ import pickle
 import subprocess
 import sys
 import tempfile
-from dataclasses import asdict
+import time
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +21,7 @@ from inverse.pictures.camera import VIEW_ANGLE, Camera
 from inverse.pictures.scene import Facets, Scene
 
 _WORKER = Path(__file__).with_name("worker.py")
-_TIMEOUT = 120  # seconds
+_TIMEOUT, _TIMEOUT_EACH = 120, 20  # seconds to start, and for every picture
 # Read by VTK when it opens a window; None leaves the choice to VTK (or to the user, who may have set it).
 _WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"
 _WINDOWS = (None, "vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")
@@ -39,13 +41,31 @@ def render(scene: Scene, path: Path) -> None:
     Raises:
         RuntimeError: it cannot be rendered here; :func:`can_render` tells beforehand.
     """
+    with tempfile.TemporaryDirectory() as folder:
+        write_atomically(path, render_frames([scene], Path(folder))[0].read_bytes())
+
+
+def render_frames(scenes: Iterable[Scene], folder: Path, progress: Callable[[int], None] | None = None) -> list[Path]:
+    """Render many scenes in one process.
+
+    Args:
+        scenes: one scene per picture. Arrays that several of them show are handed over once.
+        folder: an empty one, for the PNG files.
+        progress: told now and then how many pictures are there; what it raises ends the rendering.
+
+    Returns:
+        The PNG files in the order of the scenes.
+
+    Raises:
+        RuntimeError: they cannot be rendered here; :func:`can_render` tells beforehand.
+    """
     window, reason = _probe()
     if reason is not None:
         raise RuntimeError(reason)
-    picture = _run(scene, window)
-    if isinstance(picture, str):
-        raise RuntimeError(f"the picture {path} could not be rendered: {picture}")
-    write_atomically(path, picture)
+    pictures = _run(scenes, folder, window, progress or (lambda _: None))
+    if isinstance(pictures, str):
+        raise RuntimeError(f"the pictures could not be rendered: {pictures}")
+    return pictures
 
 
 @functools.cache
@@ -58,27 +78,54 @@ def _probe() -> tuple[str | None, str | None]:
     black = Facets(triangle, np.array([3, 0, 1, 2]), np.zeros((1, 3), np.uint8))
     scene = Scene((64, 64), Camera((0, -9, 9), (0, 0, 0), 0.0, 0.1), [black])
     for window in _WINDOWS:
-        if isinstance(_run(scene, window), bytes):
-            return window, None
+        with tempfile.TemporaryDirectory() as folder:
+            if isinstance(_run([scene], Path(folder), window, lambda _: None), list):
+                return window, None
     return None, (
         "No 3D pictures: VTK finds no OpenGL to render with off screen. "
         "On Debian or Ubuntu, `apt install libegl1 libgl1-mesa-dri` or `apt install libosmesa6` provides one."
     )
 
 
-def _run(scene: Scene, window: str | None) -> bytes | str:
-    """The PNG, or what the worker said last."""
+def _run(
+    scenes: Iterable[Scene], folder: Path, window: str | None, progress: Callable[[int], None]
+) -> list[Path] | str:
+    """The PNG files, or what the worker said last."""
     environment = dict(os.environ) | ({} if window is None else {_WINDOW: window})
-    with tempfile.TemporaryDirectory() as folder:
-        source, destination = Path(folder, "scene"), Path(folder, "picture.png")
-        source.write_bytes(pickle.dumps(asdict(scene) | {"view_angle": VIEW_ANGLE}))
-        command = [sys.executable, "-P", str(_WORKER), str(source), str(destination)]
+    source, said = folder / "scenes", folder / "said"
+    count = _hand_over(scenes, source)
+    pictures = [folder / f"{number:05d}.png" for number in range(count)]
+    command = [sys.executable, "-P", str(_WORKER), str(source), str(folder), str(count)]
+    timeout = _TIMEOUT + _TIMEOUT_EACH * count
+    end = time.monotonic() + timeout
+    with said.open("wb") as file:
+        # A crashing VTK kills its process by a signal; what it prints is of interest only then.
+        worker = subprocess.Popen(command, env=environment, stdout=file, stderr=file)
         try:
-            # A crashing VTK kills its process by a signal; what it prints is of interest only then.
-            done = subprocess.run(command, env=environment, capture_output=True, timeout=_TIMEOUT, check=False)
-        except subprocess.TimeoutExpired:
-            return f"VTK took more than {_TIMEOUT} seconds"
-        if done.returncode == 0 and destination.exists():
-            return destination.read_bytes()
-        words = done.stderr.decode(errors="replace").strip().splitlines()
-        return words[-1] if words else f"VTK ended with exit code {done.returncode}"
+            while worker.poll() is None:
+                if time.monotonic() > end:
+                    return f"VTK took more than {timeout} seconds"
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    worker.wait(timeout=0.2)
+                progress(sum(picture.exists() for picture in pictures))
+        finally:
+            worker.kill()
+            worker.wait()
+    if worker.returncode == 0 and all(picture.exists() for picture in pictures):
+        return pictures
+    words = said.read_text(errors="replace").strip().splitlines()
+    return words[-1] if words else f"VTK ended with exit code {worker.returncode}"
+
+
+def _hand_over(scenes: Iterable[Scene], path: Path) -> int:
+    """Write scenes for the worker and count them; one pickler, so that it writes an array once that they share."""
+    count = 0
+    with path.open("wb") as file:
+        pickler = pickle.Pickler(file)
+        for scene in scenes:
+            plain = vars(scene) | {"camera": vars(scene.camera), "view_angle": VIEW_ANGLE}
+            for items in ("facets", "lines", "captions"):
+                plain[items] = [vars(item) for item in plain[items]]
+            pickler.dump(plain)
+            count += 1
+    return count

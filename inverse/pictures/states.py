@@ -42,7 +42,7 @@ def states_scene(design: Design) -> Scene:
     azimuth, elevation = wished_view(points)
     view = basis(azimuth, max(elevation, np.radians(32.0)))
     states = [_laid_out(design, 0.0), points, _laid_out(design, np.pi)]
-    faint = (_has_layers(design, 0.0), False, _has_layers(design, np.pi))
+    faint = (has_layers(design, 0.0), False, has_layers(design, np.pi))
     return _in_a_row(pattern, states, _TITLES, faint, view)
 
 
@@ -97,20 +97,20 @@ def _in_a_row(
     return scene
 
 
+def has_layers(design: Design, t: float) -> bool:
+    """Whether some edge is folded flat in this flat state."""
+    return bool((design.pattern.edges_type == (CFL if t == 0.0 else FL)).any())
+
+
 def _laid_out(design: Design, t: float) -> FloatArray:
     """A flat state, level, turned like the design and, where it has layers, with these apart."""
     flat = folding.flat_state(design, t)
-    if _has_layers(design, t):
+    if has_layers(design, t):
         near = folding.flat_state(design, abs(t - _NEARLY))
         plane = np.c_[near[:, :2], np.ones(len(near))]
         height = near[:, 2] - plane @ np.linalg.lstsq(plane, near[:, 2], rcond=None)[0]
         flat[:, 2] = height * (_THICKNESS * geometry.diagonal(flat) / max(np.ptp(height), 1e-300))
     return _turned_like(flat, design.vertices_coords)
-
-
-def _has_layers(design: Design, t: float) -> bool:
-    """Whether some edge is folded flat in this flat state."""
-    return bool((design.pattern.edges_type == (CFL if t == 0.0 else FL)).any())
 
 
 def _turned_like(flat: FloatArray, points: FloatArray) -> FloatArray:

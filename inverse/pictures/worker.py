@@ -1,6 +1,7 @@
-"""Renders one scene off screen: run as a program of its own, because VTK without a usable GL kills its process.
+"""Renders scenes off screen: run as a program of its own, because VTK without a usable GL kills its process.
 
-Usage: ``python worker.py SCENE PNG``; SCENE is a pickled dictionary made by :mod:`inverse.pictures.rendering`.
+Usage: ``python worker.py SCENES FOLDER COUNT``; SCENES holds so many dictionaries from one pickler, made by
+:mod:`inverse.pictures.rendering`, and the pictures are 00000.png, 00001.png and so on in FOLDER.
 Knows nothing of the package, so that it starts fast and from any folder.
 """
 
@@ -63,11 +64,15 @@ def render(scene: dict[str, Any]) -> np.ndarray:
 
 
 def main() -> None:
-    """Render the scene file that the first argument names into the second."""
+    """Render the scenes in the file that the first argument names into the folder that the second one names."""
     from PIL import Image
 
-    source, destination = Path(sys.argv[1]), Path(sys.argv[2])
-    Image.fromarray(render(pickle.loads(source.read_bytes()))).save(destination, format="PNG")
+    source, folder = Path(sys.argv[1]), Path(sys.argv[2])
+    with source.open("rb") as file:
+        scenes = pickle.Unpickler(file)
+        for number in range(int(sys.argv[3])):
+            picture = folder / f"{number:05d}.png"
+            Image.fromarray(render(scenes.load())).save(picture, compress_level=4)
 
 
 if __name__ == "__main__":

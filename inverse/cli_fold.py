@@ -1,0 +1,153 @@
+"""`inverse fold`: the motion of a design as files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter, Token
+
+from inverse.errors import InputError
+from inverse.files import write_atomically
+from inverse.terminal import Line
+
+if TYPE_CHECKING:
+    from inverse.fabricate.surroundings import Surroundings
+
+
+def _whole(_: object, tokens: Sequence[Token]) -> int | tuple[int, ...]:
+    """Whole numbers; cyclopts would cut 2.5 to 2."""
+    for token in tokens:
+        if not token.value.lstrip("+-").isdecimal():
+            raise ValueError(f"{token.value} is no whole number")
+    found = tuple(int(token.value) for token in tokens)
+    return found[0] if len(found) == 1 else found
+
+
+def fold(
+    design: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    at: Annotated[tuple[float, ...], Parameter(negative=())] = (),
+    frames: Annotated[int | None, Parameter(converter=_whole)] = None,
+    to: Annotated[tuple[str, ...], Parameter(negative=())] = (),
+    degrees: Annotated[tuple[float, float] | None, Parameter(name="--range", negative=())] = None,
+    size: Annotated[tuple[int, int] | None, Parameter(converter=_whole, negative=())] = None,
+    target: Path | None = None,
+    context: Path | None = None,
+    figure: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Fold a design: states as FOLD files, or animations as MP4, GIF, animated glTF and HTML.
+
+    Args:
+        design: FOLD file of a design; its own state is at 90 degrees, 0 is developed and 180 flat-folded.
+        out: folder for the files, by default that of the design; or a file, whose ending is the format.
+        at: write this state, in degrees, instead of an animation; may be repeated.
+        frames: number of frames of the animation, 100 by default; 25 are a second.
+        to: mp4, gif, glb or html, html by default; may be repeated.
+        degrees: first and last folding amount of the animation in degrees, 0 180 by default.
+        size: width and height of mp4 and gif in pixels, 1280 720 by default.
+        target: show a target surface: a mesh file, or the specification that names it.
+        context: show buildings: a CityJSON file, or the specification that names it.
+        figure: show a person 1.75 m tall beside the design.
+        as_json: print the result as JSON.
+    """
+    from inverse import fold_file
+    from inverse.fabricate import motion
+
+    given = {
+        "frames": frames is not None, "to": bool(to), "range": degrees is not None, "size": size is not None,
+        "target": target is not None, "context": context is not None, "figure": figure,
+    }  # fmt: skip
+    others = [f"--{name}" for name, there in given.items() if there]
+    if at and others:
+        raise InputError(
+            f"--at writes single states, and {', '.join(others)} {'are' if len(others) > 1 else 'is'} for animations",
+            hint="Leave one or the other out.",
+        )
+    if at:
+        paths = _state_paths(design, out, at)
+        contents: Sequence[str | bytes] = motion.states(fold_file.read(design), list(paths))
+        files = dict(zip(paths.values(), contents, strict=True))
+    else:
+        named = _animation_paths(design, out, to)
+        count, limits = motion.FRAMES if frames is None else frames, degrees or motion.RANGE
+        motion.check_animation(list(named), count, limits)
+        mesh = fold_file.read(design)
+        around = _surroundings(target, context, figure, mesh.unit)
+        with Line() as line:
+            content = motion.animation(
+                mesh, list(named), frames=count, degrees=limits, size=size or motion.SIZE,
+                surroundings=around, progress=lambda done, n: line.show(f"drawing frame {done} of {n}"),
+            )  # fmt: skip
+        files = {named[one]: content[one] for one in named}
+    _write(files)
+    if as_json:
+        print(json.dumps({"files": [str(path) for path in files]}, indent=1))
+    else:
+        for path in files:
+            print(f"wrote     {path}")
+    return 0
+
+
+def _state_paths(design: Path, out: Path | None, at: Sequence[float]) -> dict[float, Path]:
+    """The file of every state."""
+    amounts = list(dict.fromkeys(at))
+    if out is not None and out.suffix and not out.is_dir():
+        if out.suffix.lower() != ".fold":
+            raise InputError(f"{out} is no name for a state: it is a .fold file", hint="Or give a folder as -o.")
+        if len(amounts) > 1:
+            raise InputError(f"{len(amounts)} states cannot be one file {out}", hint="Give a folder as -o.")
+        return {amounts[0]: _file(design, out)}
+    folder = _folder(design, out)
+    return {amount: folder / f"state_{repr(amount + 0.0).removesuffix('.0')}.fold" for amount in amounts}
+
+
+def _animation_paths(design: Path, out: Path | None, to: Sequence[str]) -> dict[str, Path]:
+    """The file of every format."""
+    formats = list(dict.fromkeys(word.lower().removeprefix(".") for word in to))
+    if out is not None and out.suffix and not out.is_dir():
+        ending = out.suffix.lower()[1:]
+        if ending == "fold":
+            raise InputError(f"{out} would be a single state", hint="Say which with --at DEGREES.")
+        if formats not in ([], [ending]):
+            raise InputError(
+                f"{out} is no file of format {', '.join(formats)}", hint="Give a folder as -o, or leave out --to."
+            )
+        return {ending: _file(design, out)}
+    folder = _folder(design, out)
+    return {one: folder / f"motion.{one}" for one in formats or ["html"]}
+
+
+def _file(design: Path, given: Path) -> Path:
+    """The one file to write."""
+    if given.exists() and design.exists() and given.samefile(design):
+        raise InputError(f"{design} would be written over", hint="Choose another -o.")
+    return _folder(design, given.parent) / given.name
+
+
+def _folder(design: Path, given: Path | None) -> Path:
+    from inverse.report import output_folder
+
+    return output_folder(design.stem, design.parent if given is None else given)
+
+
+def _surroundings(target: Path | None, context: Path | None, figure: bool, unit: str) -> Surroundings:
+    from inverse.fabricate.surroundings import Surroundings, read_buildings, read_target
+
+    surface = None if target is None else read_target(target)
+    return Surroundings(surface, None if context is None else read_buildings(context, unit), figure)
+
+
+def _write(files: Mapping[Path, str | bytes]) -> None:
+    """Write all files, each whole."""
+    for path, content in files.items():
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, content)
+        except OSError as error:
+            raise InputError(f"{path} cannot be written: {error}", hint="Choose another -o.") from None
