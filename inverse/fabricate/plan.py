@@ -59,8 +59,8 @@ class Plan:
     texts: tuple[Text, ...] = field(default=())
 
 
-# Layers and their colours as #rrggbb: the four kinds of foldlines as in pictures; border and seams are cut; flaps are cut
-# too, and their foldlines folded; labels are engraved or left out.
+# Layers and their colours as #rrggbb: the four kinds of foldlines as in pictures; border and seams are cut; flaps are
+# cut too, and their foldlines folded; labels are engraved or left out.
 FOLDS = ("mountain", "valley", "complementary mountain", "complementary valley")
 LAYERS: dict[str, str] = {
     "cut": EDGE_COLOURS["border"],
