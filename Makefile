@@ -33,10 +33,12 @@ format: $(STAMP) ## let ruff rewrite what it can
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
 
-bench: $(STAMP) ## quality of the fits, speed from 16 x 16 to 128 x 128, films of the motion (a quarter of an hour)
+bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, films, thick panels (a quarter of an hour)
 	$(BIN)/python -m benchmarks.fit
+	$(BIN)/python -m benchmarks.tubes
 	$(BIN)/python -m benchmarks.speed
 	$(BIN)/python -m benchmarks.motion
+	$(BIN)/python -m benchmarks.panels
 
 bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; strong bends, drags, footprints (an hour)
 	$(BIN)/python -m benchmarks.robustness
