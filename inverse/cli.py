@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, CycloptsError, Parameter
 
+from inverse.cli_export import export
 from inverse.cli_fold import fold
 from inverse.errors import InputError
 from inverse.terminal import Line
@@ -142,6 +143,7 @@ def repair(
 
 
 app.command(fold)
+app.command(export)
 
 
 @app.command

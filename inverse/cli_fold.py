@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter, Token
 
+from inverse.cli_output import file_for, folder_for, is_file_name, write_all
 from inverse.errors import InputError
-from inverse.files import write_atomically
 from inverse.terminal import Line
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def fold(
                 surroundings=around, progress=lambda done, n: line.show(f"drawing frame {done} of {n}"),
             )  # fmt: skip
         files = {named[one]: content[one] for one in named}
-    _write(files)
+    write_all(files)
     if as_json:
         print(json.dumps({"files": [str(path) for path in files]}, indent=1))
     else:
@@ -97,20 +97,20 @@ def fold(
 def _state_paths(design: Path, out: Path | None, at: Sequence[float]) -> dict[float, Path]:
     """The file of every state."""
     amounts = list(dict.fromkeys(at))
-    if out is not None and out.suffix and not out.is_dir():
+    if out is not None and is_file_name(out):
         if out.suffix.lower() != ".fold":
             raise InputError(f"{out} is no name for a state: it is a .fold file", hint="Or give a folder as -o.")
         if len(amounts) > 1:
             raise InputError(f"{len(amounts)} states cannot be one file {out}", hint="Give a folder as -o.")
-        return {amounts[0]: _file(design, out)}
-    folder = _folder(design, out)
+        return {amounts[0]: file_for(design, out)}
+    folder = folder_for(design, out)
     return {amount: folder / f"state_{repr(amount + 0.0).removesuffix('.0')}.fold" for amount in amounts}
 
 
 def _animation_paths(design: Path, out: Path | None, to: Sequence[str]) -> dict[str, Path]:
     """The file of every format."""
     formats = list(dict.fromkeys(word.lower().removeprefix(".") for word in to))
-    if out is not None and out.suffix and not out.is_dir():
+    if out is not None and is_file_name(out):
         ending = out.suffix.lower()[1:]
         if ending == "fold":
             raise InputError(f"{out} would be a single state", hint="Say which with --at DEGREES.")
@@ -118,22 +118,9 @@ def _animation_paths(design: Path, out: Path | None, to: Sequence[str]) -> dict[
             raise InputError(
                 f"{out} is no file of format {', '.join(formats)}", hint="Give a folder as -o, or leave out --to."
             )
-        return {ending: _file(design, out)}
-    folder = _folder(design, out)
+        return {ending: file_for(design, out)}
+    folder = folder_for(design, out)
     return {one: folder / f"motion.{one}" for one in formats or ["html"]}
-
-
-def _file(design: Path, given: Path) -> Path:
-    """The one file to write."""
-    if given.exists() and design.exists() and given.samefile(design):
-        raise InputError(f"{design} would be written over", hint="Choose another -o.")
-    return _folder(design, given.parent) / given.name
-
-
-def _folder(design: Path, given: Path | None) -> Path:
-    from inverse.report import output_folder
-
-    return output_folder(design.stem, design.parent if given is None else given)
 
 
 def _surroundings(target: Path | None, context: Path | None, figure: bool, unit: str) -> Surroundings:
@@ -141,13 +128,3 @@ def _surroundings(target: Path | None, context: Path | None, figure: bool, unit:
 
     surface = None if target is None else read_target(target)
     return Surroundings(surface, None if context is None else read_buildings(context, unit), figure)
-
-
-def _write(files: Mapping[Path, str | bytes]) -> None:
-    """Write all files, each whole."""
-    for path, content in files.items():
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, content)
-        except OSError as error:
-            raise InputError(f"{path} cannot be written: {error}", hint="Choose another -o.") from None

@@ -37,10 +37,8 @@ def states(design: Design, degrees: Sequence[float]) -> list[str]:
     Raises:
         InputError: a folding amount outside 0 to 180 degrees, or a design that does not fold rigidly.
     """
-    for amount in degrees:
-        _check_amount(amount)
+    t = np.array([folding_amount(amount) for amount in degrees])
     check_motion(design)
-    t = np.radians(degrees)
     found = poses(design, t).vertices_coords
     documents = [state_document(design, float(one), coords) for one, coords in zip(t, found, strict=True)]
     return [json.dumps(document, allow_nan=False) + "\n" for document in documents]
@@ -106,7 +104,7 @@ def check_animation(formats: Sequence[str], frames: int, degrees: tuple[float, f
     if not 2 <= frames <= MOST_FRAMES:
         raise InputError(f"{frames} frames: an animation has from 2 to {MOST_FRAMES}", hint="25 frames are a second.")
     for amount in degrees:
-        _check_amount(amount)
+        folding_amount(amount)
     if degrees[0] == degrees[1]:
         raise InputError(
             f"the motion from {degrees[0]:g} to {degrees[1]:g} degrees is none",
@@ -128,9 +126,15 @@ def check_motion(design: Design) -> None:
         )
 
 
-def _check_amount(degrees: float) -> None:
+def folding_amount(degrees: float) -> float:
+    """A folding amount in radians.
+
+    Raises:
+        InputError: it is outside 0 to 180 degrees.
+    """
     if not 0 <= degrees <= 180:
         raise InputError(
             f"a folding amount of {degrees:g} degrees: from 0 (developed) to 180 (flat-folded) are possible",
             hint="90 is the design state.",
         )
+    return float(np.radians(degrees))
