@@ -55,6 +55,12 @@ def surface_at(design: Design, t: float) -> np.ndarray:
     return folding.fold(design, np.array([t])).vertices_coords[0]
 
 
+@pytest.mark.parametrize("write", [one for one in FORMATS if one is not threedm])  # it names objects at random
+def test_the_same_design_gives_the_same_file(write: Callable[..., dict[str, bytes]]):
+    first, second = (write(designs.miura(), t=T, thickness=WITH_SHEET) for _ in range(2))
+    assert first == second
+
+
 @pytest.mark.parametrize("thickness", [THICK, WITH_SHEET])
 @pytest.mark.parametrize("name", CASES)
 def test_stl_of_panels_is_watertight_and_holds_their_volume(name: str, thickness: Thickness):

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import re
+import uuid
+import zipfile
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,6 +26,7 @@ COLOURS = {
     "lower": colours.COOL[1],
     "hinge": colours.SHADOW,
 }
+_UUID = re.compile(rb"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 _Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # glTF has y upwards
 
 
@@ -118,7 +123,21 @@ def threemf(design: Design, *, t: float = DESIGN_STATE, thickness: Thickness | N
     needed("lxml")
     needed("networkx")
     scene = _scene(parts_of(design, t, thickness), millimetres(design.unit), shaded=False)
-    return {_name("3mf", thickness): bytes(scene.export(file_type="3mf"))}
+    return {_name("3mf", thickness): _with_fixed_ids(bytes(scene.export(file_type="3mf")))}
+
+
+def _with_fixed_ids(package: bytes) -> bytes:
+    """A 3MF package whose ids count up and whose entries have no date: the same design gives the same file."""
+    ids: dict[bytes, bytes] = {}
+
+    def fixed(found: re.Match[bytes]) -> bytes:
+        return ids.setdefault(found[0], str(uuid.uuid5(uuid.NAMESPACE_URL, f"part {len(ids)}")).encode())
+
+    written = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(package)) as given, zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED) as own:
+        for name in given.namelist():
+            own.writestr(zipfile.ZipInfo(name), _UUID.sub(fixed, given.read(name)), zipfile.ZIP_DEFLATED)
+    return written.getvalue()
 
 
 def _name(ending: str, thickness: Thickness | None) -> str:
