@@ -39,6 +39,9 @@ def fold(
     target: Path | None = None,
     context: Path | None = None,
     figure: Annotated[bool, Parameter(negative=())] = False,
+    thickness: float | None = None,
+    delta: float | None = None,
+    hinge: float | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
     """Fold a design: states as FOLD files, or animations as MP4, GIF, animated glTF and HTML.
@@ -54,14 +57,19 @@ def fold(
         target: show a target surface: a mesh file, or the specification that names it.
         context: show buildings: a CityJSON file, or the specification that names it.
         figure: show a person 1.75 m tall beside the design.
+        thickness: show thick panels (mp4 and gif): thickness of each of their two layers, in the design's unit.
+        delta: degrees that are left when a foldline of thick panels is folded as far as it goes, 10 by default.
+        hinge: thickness of a sheet between the layers.
         as_json: print the result as JSON.
     """
     from inverse import fold_file
     from inverse.fabricate import motion
+    from inverse.fabricate.formats import Settings, thickness_of
 
     given = {
         "frames": frames is not None, "to": bool(to), "range": degrees is not None, "size": size is not None,
         "target": target is not None, "context": context is not None, "figure": figure,
+        "thickness": thickness is not None, "delta": delta is not None, "hinge": hinge is not None,
     }  # fmt: skip
     others = [f"--{name}" for name, there in given.items() if there]
     if at and others:
@@ -75,13 +83,16 @@ def fold(
         files = dict(zip(paths.values(), contents, strict=True))
     else:
         named = _animation_paths(design, out, to)
-        count, limits = motion.FRAMES if frames is None else frames, degrees or motion.RANGE
-        motion.check_animation(list(named), count, limits)
+        count = motion.FRAMES if frames is None else frames
+        motion.check_animation(list(named), count, degrees or motion.RANGE)
         mesh = fold_file.read(design)
+        thick = thickness_of(mesh, Settings(thickness=thickness, delta_degrees=delta, hinge=hinge))
+        if thick is None and (delta, hinge) != (None, None):
+            raise InputError("delta and a hinge sheet are of thick panels", hint="Give --thickness too.")
         around = _surroundings(target, context, figure, mesh.unit)
         with Line() as line:
             content = motion.animation(
-                mesh, list(named), frames=count, degrees=limits, size=size or motion.SIZE,
+                mesh, list(named), frames=count, degrees=degrees, thickness=thick, size=size or motion.SIZE,
                 surroundings=around, progress=lambda done, n: line.show(f"drawing frame {done} of {n}"),
             )  # fmt: skip
         files = {named[one]: content[one] for one in named}

@@ -54,6 +54,11 @@ def everything(folder: Path) -> dict[Path, bytes]:
         ("-o mine/sheet.fold/out", ["sheet.fold is a file"]),
         ("--target missing.obj", ["missing.obj"]),
         ("--context missing.json", ["missing.json"]),
+        ("--to glb --thickness 0.02", ["glb cannot show thick panels", "mp4 and gif"]),
+        ("--to gif --delta 20", ["--thickness"]),
+        ("--to gif --thickness 0.02 --range 0 180", ["the panels fold from", "asked are 0 to 180"]),
+        ("--to gif --thickness 9", ["largest thickness that works"]),
+        ("--at 30 --thickness 0.02", ["--thickness", "--at"]),
         ("torn.fold", ["come apart", "inverse check"]),
         ("nothing.fold", ["nothing.fold"]),
         ("nothing.fold -o torn.fold --at 3", ["nothing.fold"]),
@@ -120,3 +125,14 @@ def test_the_command_line_starts_light():
     code = "import sys, inverse.cli; print([name for name in ('casadi', 'numpy', 'vtk') if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_thick_panels_are_filmed_over_their_range(design: Path):
+    from PIL import Image
+
+    words = ["--to", "gif", "--frames", "3", "--size", "96", "64", "-o", "thick.gif"]
+    assert cli.run(["fold", str(design), *words, "--thickness", "0.01"]) == 0
+    assert cli.run(["fold", str(design), *words[:-1], "thin.gif"]) == 0
+    with Image.open("thick.gif") as thick, Image.open("thin.gif") as thin:
+        assert (thick.n_frames, thick.size) == (3, (96, 64))
+        assert np.abs(np.asarray(thick.convert("L"), float) - np.asarray(thin.convert("L"), float)).max() > 30

@@ -91,7 +91,7 @@ def test_progress_counts_up_to_all_frames(drawn):
 def test_one_camera_sees_all_of_every_frame(make, with_person: bool):
     t = np.linspace(0, np.pi, 7)
     stage = set_stage(make(), t, Surroundings(person=with_person))
-    scenes = list(film._scenes(stage, SIZE))
+    scenes = list(film._scenes(stage, SIZE, None))
     assert {scene.camera for scene in scenes} == {scenes[0].camera}
     camera = scenes[0].camera
     half = np.tan(np.radians(VIEW_ANGLE / 2)) * np.array([SIZE[0] / SIZE[1], 1.0])

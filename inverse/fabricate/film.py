@@ -11,6 +11,8 @@ import numpy as np
 
 from inverse import geometry
 from inverse.errors import InputError
+from inverse.fabricate.panels import Panels
+from inverse.fabricate.panels_picture import bodies, placed
 from inverse.fabricate.stage import Stage
 from inverse.pictures import colours, drawing
 from inverse.pictures.rendering import can_render, render_frames
@@ -42,7 +44,11 @@ def check_film(size: tuple[int, int], formats: Sequence[str]) -> None:
 
 
 def film(
-    stage: Stage, size: tuple[int, int], formats: Sequence[str], progress: Callable[[int, int], None]
+    stage: Stage,
+    size: tuple[int, int],
+    formats: Sequence[str],
+    progress: Callable[[int, int], None],
+    panels: Panels | None = None,
 ) -> dict[str, bytes]:
     """Draw all frames once and make films of them.
 
@@ -51,6 +57,7 @@ def film(
         size: width and height in pixels, even.
         formats: "mp4", "gif" or both.
         progress: told how many frames of how many are drawn.
+        panels: thick panels to be drawn instead of the ideal surface; all states lie in their range.
 
     Returns:
         The content of a file for each format.
@@ -62,14 +69,14 @@ def film(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         try:
-            pictures = render_frames(_scenes(stage, size), folder, lambda done: progress(done, count))
+            pictures = render_frames(_scenes(stage, size, panels), folder, lambda done: progress(done, count))
         except RuntimeError as error:
             raise InputError(str(error)) from None
         makers = {"mp4": _mp4, "gif": _gif}
         return {one: makers[one](pictures, size, folder) for one in formats}
 
 
-def _scenes(stage: Stage, size: tuple[int, int]) -> Iterator[Scene]:
+def _scenes(stage: Stage, size: tuple[int, int], panels: Panels | None) -> Iterator[Scene]:
     """One scene per frame; all of them share the camera and what does not move."""
     pattern, view = stage.design.pattern, stage.view
     context, target = stage.surroundings.context, stage.surroundings.target
@@ -93,7 +100,10 @@ def _scenes(stage: Stage, size: tuple[int, int]) -> Iterator[Scene]:
     glass = drawing.target(*target, view) if target is not None else None
     eye = np.array(camera.position)
     for t, points, faint in zip(stage.t, stage.frames.vertices_coords, stage.faint, strict=True):
-        facets, edges = drawing.structure(pattern, points, view, eye, camera.pixel, sides, faint=faint)
+        if panels is None:
+            facets, edges = drawing.structure(pattern, points, view, eye, camera.pixel, sides, faint=faint)
+        else:
+            facets, edges = bodies(placed(panels, float(t), points)[0], np.zeros(3), view, camera.pixel)
         fallen = drawing.shadow(points, cells, len(pattern.faces_vertices), view, stage.ground)
         scene = Scene(size, camera, [*still.facets, fallen, facets], [*still.lines, edges])
         if glass is not None:

@@ -10,8 +10,10 @@ import numpy as np
 from inverse import folding, geometry
 from inverse.errors import InputError
 from inverse.fabricate.motion_frames import key_frames, poses
+from inverse.fabricate.panels import Panels, panels
 from inverse.fabricate.stage import set_stage
 from inverse.fabricate.surroundings import Surroundings
+from inverse.fabricate.thickness import Thickness
 from inverse.fold_file import state_document
 from inverse.pattern import Design
 from inverse.words import did_you_mean
@@ -49,7 +51,8 @@ def animation(
     formats: Sequence[str],
     *,
     frames: int = FRAMES,
-    degrees: tuple[float, float] = RANGE,
+    degrees: tuple[float, float] | None = None,
+    thickness: Thickness | None = None,
     size: tuple[int, int] = SIZE,
     surroundings: Surroundings | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -60,7 +63,8 @@ def animation(
         design: the mesh in its design state.
         formats: some of "mp4", "gif", "glb" and "html".
         frames: how many; 25 of them are a second.
-        degrees: folding amounts of the first and the last frame.
+        degrees: folding amounts of the first and the last frame; all that there are if None.
+        thickness: of thick panels, which mp4 and gif can show; they fold from limit to limit if no range is given.
         size: width and height in pixels of mp4 and gif, both even.
         surroundings: target, buildings and a person beside the design.
         progress: told how many frames of how many are drawn.
@@ -76,12 +80,14 @@ def animation(
     from inverse.fabricate.motion_glb import motion_glb
     from inverse.fabricate.motion_page import motion_page
 
-    check_animation(formats, frames, degrees)
+    check_animation(formats, frames, degrees or RANGE)
     films = [one for one in ("mp4", "gif") if one in formats]
     if films:
         check_film(size, films)
     check_motion(design)
-    t = np.linspace(np.radians(degrees[0]), np.radians(degrees[1]), frames)
+    thick = None if thickness is None else _thick(design, thickness, formats, degrees)
+    first, last = np.radians(degrees or RANGE) if thick is None or degrees else (thick.range.low, thick.range.high)
+    t = np.linspace(first, last, frames)
     stage = set_stage(design, t, surroundings or Surroundings())
     content: dict[str, bytes] = {}
     if "glb" in formats:
@@ -89,8 +95,26 @@ def animation(
     if "html" in formats:
         content["html"] = motion_page(stage, RATE).encode()
     if films:
-        content |= film(stage, size, films, progress or (lambda done, count: None))
+        content |= film(stage, size, films, progress or (lambda done, count: None), thick)
     return content
+
+
+def _thick(design: Design, thickness: Thickness, formats: Sequence[str], degrees: tuple[float, float] | None) -> Panels:
+    """The panels to be shown; refuses what they cannot do."""
+    other = [one for one in formats if one not in ("mp4", "gif")]
+    if other:
+        raise InputError(
+            f"{', '.join(other)} cannot show thick panels",
+            hint="mp4 and gif can; `inverse export` writes single states.",
+        )
+    thick = panels(design, thickness)
+    low, high = np.degrees([thick.range.low, thick.range.high])
+    if degrees is not None and not low <= min(degrees) <= max(degrees) <= high:
+        raise InputError(
+            f"the panels fold from {low:.5g} to {high:.5g} degrees, asked are {degrees[0]:g} to {degrees[1]:g}",
+            hint="Leave out --range for all of it; a smaller delta folds further.",
+        )
+    return thick
 
 
 def check_animation(formats: Sequence[str], frames: int, degrees: tuple[float, float]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +70,7 @@ def panels_scene(panels: Panels, columns: int, rows: int) -> Scene:
         count = len(design.pattern.faces_vertices)
         cells = cells_of(design.pattern.faces_vertices)
         scene.facets.append(drawing.shadow(surface + shift, cells, count, view, -2 * pixel))
-        facets, lines = _drawn(parts, shift, view, pixel)
+        facets, lines = bodies(parts, shift, view, pixel)
         scene.facets.append(facets)
         scene.lines.append(lines)
         row = k // columns
@@ -81,23 +82,28 @@ def panels_scene(panels: Panels, columns: int, rows: int) -> Scene:
 
 def _standing(panels: Panels, t: float, right: FloatArray, back: FloatArray) -> tuple[list[Part], FloatArray]:
     """Parts and ideal surface of a state, turned like the design, standing on the ground in the middle."""
-    points = folding.fold(panels.design, np.array([t])).vertices_coords[0]
-    target = panels.design.vertices_coords
-    home = points.mean(axis=0)
-    u, _, vt = np.linalg.svd((points - home).T @ (target - target.mean(axis=0)))
-    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
-    turn = u @ vt
-    parts = panel_parts(panels, t)
-    cloud = (np.concatenate([part.points for part in parts]) - home) @ turn
+    centred = panels.design.vertices_coords - panels.design.vertices_coords.mean(axis=0)
+    parts, surface = placed(panels, t, centred)
+    cloud = np.concatenate([part.points for part in parts])
     shift = np.array([0.0, 0.0, cloud[:, 2].min()])
     for axis in (right, back):
         shift += (np.min(cloud @ axis) + np.max(cloud @ axis)) / 2 * axis
-    moved = [Part(part.name, part.layer, (part.points - home) @ turn - shift, part.polygons) for part in parts]
-    return moved, (points - home) @ turn - shift
+    return [replace(part, points=part.points - shift) for part in parts], surface - shift
 
 
-def _drawn(parts: list[Part], shift: FloatArray, view: FloatArray, pixel: float) -> tuple[Facets, Lines]:
-    """All bodies of a state as one set of facets and one of lines."""
+def placed(panels: Panels, t: float, onto: FloatArray) -> tuple[list[Part], FloatArray]:
+    """Parts and ideal surface (V, 3) at ``t`` radians, moved as near as can be to vertices ``onto`` (V, 3)."""
+    points = folding.fold(panels.design, np.array([t])).vertices_coords[0]
+    home, there = points.mean(axis=0), onto.mean(axis=0)
+    u, _, vt = np.linalg.svd((points - home).T @ (onto - there))
+    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
+    turn = u @ vt
+    parts = [replace(part, points=(part.points - home) @ turn + there) for part in panel_parts(panels, t)]
+    return parts, (points - home) @ turn + there
+
+
+def bodies(parts: list[Part], shift: FloatArray, view: FloatArray, pixel: float) -> tuple[Facets, Lines]:
+    """All parts of a state, moved by ``shift`` (3,), as one set of facets and one of lines."""
     light = drawing.light_of(view)
     starts = np.cumsum([0, *(len(part.points) for part in parts)]).tolist()
     points = np.concatenate([part.points for part in parts]) + shift
