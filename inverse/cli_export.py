@@ -45,13 +45,20 @@ def export(
     hinge: float | None = None,
     density: float | None = None,
     sheet: tuple[float, float] | None = None,
+    scale: float | None = None,
+    dash: float | None = None,
+    gap: float | None = None,
+    flaps: float | None = None,
+    layers: Annotated[bool, Parameter(negative=())] = False,
+    paper: str | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
     """Write a design for cutting, building or other programs.
 
     Args:
         design: FOLD file of a design.
-        to: surfaces and thick panels: obj, ply, stl, glb, 3mf, 3dm; dxf for panels on sheets.
+        to: crease patterns: svg, dxf, pdf, fold; surfaces: obj, ply, stl, glb, 3mf, 3dm; with --thickness panels: those
+            of surfaces, and dxf for sheets to cut them from.
         out: folder for the files, by default that of the design; or a file, whose ending is the format.
         at: folding amount in degrees, 90 (the design state) by default.
         thickness: of each of the two layers of thick panels, in the design's unit.
@@ -60,13 +67,21 @@ def export(
         hinge: thickness of a sheet between the layers, in the design's unit.
         density: of the panels in kilograms per cubic metre, for their masses in the list of panels.
         sheet: width and height of what panels are cut from, in the design's unit.
+        scale: of a crease pattern, 1 (full size) by default; 0.1 makes a model of 1 : 10.
+        dash: perforate what is folded by cuts of this length in mm, with --gap between them.
+        gap: least length in mm between the cuts of a perforation.
+        flaps: depth in mm of flaps to glue pieces together with.
+        layers: draw the layers of the developed state where they lie instead of pieces to cut.
+        paper: of a pdf: A0 to A4, letter or tabloid; A4 by default.
         as_json: print the result as JSON.
     """
     from inverse import fold_file
     from inverse.fabricate import formats
 
     name = _format(to, out)
-    settings = formats.Settings(at, thickness, delta, delta_of, hinge, density, sheet)
+    settings = formats.Settings(
+        at, thickness, delta, delta_of, hinge, density, sheet, scale, dash, gap, flaps, layers, paper
+    )
     formats.check(name, settings)
     mesh = fold_file.read(design)
     with Line() as line:

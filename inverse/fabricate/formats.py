@@ -10,7 +10,14 @@ import numpy as np
 
 from inverse.errors import InputError
 from inverse.fabricate import cutting, meshes, rhino
+from inverse.fabricate.crease_dxf import crease_dxf
+from inverse.fabricate.crease_fold import crease_fold
+from inverse.fabricate.crease_plan import crease_plan, layers_plan
+from inverse.fabricate.dashes import perforated
 from inverse.fabricate.motion import folding_amount
+from inverse.fabricate.pdf import pdf
+from inverse.fabricate.plan import Plan
+from inverse.fabricate.svg import svg
 from inverse.fabricate.thickness import Thickness
 from inverse.pattern import B, Design, FloatArray
 from inverse.words import did_you_mean
@@ -28,6 +35,12 @@ class Settings:
         hinge: thickness of a sheet between the layers.
         density: kilograms in a cubic metre.
         sheet: width and height of what panels are cut from, in the design's unit.
+        scale: of a crease pattern, 1 for full size.
+        dash: length in mm of the cuts that perforate what is folded.
+        gap: least length in mm between them.
+        flaps: depth in mm of flaps along seams.
+        layers: whether layers are drawn where they lie instead of being cut apart.
+        paper: of the pages.
     """
 
     at_degrees: float | None = None
@@ -37,6 +50,12 @@ class Settings:
     hinge: float | None = None
     density: float | None = None
     sheet: tuple[float, float] | None = None
+    scale: float | None = None
+    dash: float | None = None
+    gap: float | None = None
+    flaps: float | None = None
+    layers: bool = False
+    paper: str | None = None
 
 
 @dataclass(frozen=True)
@@ -69,6 +88,41 @@ def _sheets(design: Design, settings: Settings) -> dict[str, bytes]:
     return cutting.dxf(design, thickness=thickness, sheet=settings.sheet, density=settings.density)
 
 
+def _drawing(name: str, write: Callable[..., bytes]) -> Callable[[Design, Settings], dict[str, bytes]]:
+    def made(design: Design, settings: Settings) -> dict[str, bytes]:
+        options = {} if settings.paper is None else {"paper": settings.paper}
+        return {f"crease_pattern.{name}": write(plan_of(design, settings), **options)}
+
+    return made
+
+
+def _pieces(design: Design, settings: Settings) -> dict[str, bytes]:
+    return {"crease_pattern.fold": crease_fold(design, scale=_scale(settings))}
+
+
+def plan_of(design: Design, settings: Settings) -> Plan:
+    """The drawing that settings ask for.
+
+    Raises:
+        InputError: settings that cannot be, or not together.
+    """
+    if settings.layers and settings.flaps is not None:
+        raise InputError("layers where they lie have no flaps", hint="Leave out --layers or --flaps.")
+    if (settings.dash is None) != (settings.gap is None):
+        raise InputError("perforation needs both --dash and --gap", hint="--dash 3 --gap 2 suits card.")
+    scale = _scale(settings)
+    plan = (
+        layers_plan(design, scale=scale)
+        if settings.layers
+        else crease_plan(design, scale=scale, flaps=settings.flaps or 0.0)
+    )
+    return plan if settings.dash is None or settings.gap is None else perforated(plan, settings.dash, settings.gap)
+
+
+def _scale(settings: Settings) -> float:
+    return 1.0 if settings.scale is None else settings.scale
+
+
 _THICK = ("thickness", "delta_degrees", "deltas_degrees", "hinge")
 _SURFACES = {
     "obj": (meshes.obj, "polygons, each facet or layer an object"),
@@ -77,6 +131,14 @@ _SURFACES = {
     "glb": (meshes.glb, "glTF in metres, a node for each facet or layer"),
     "3mf": (meshes.threemf, "millimetres, an object for each layer"),
     "3dm": (rhino.threedm, "surfaces or solids on layers, and lines by kind of fold"),
+}
+_LINES = ("scale", "dash", "gap", "flaps", "layers")
+#: Of the crease pattern.
+PATTERNS = {
+    "svg": Format("crease pattern to cut", _LINES, _drawing("svg", svg)),
+    "dxf": Format("crease pattern to cut", _LINES, _drawing("dxf", crease_dxf)),
+    "pdf": Format("crease pattern on pages at 1 : 1", (*_LINES, "paper"), _drawing("pdf", pdf)),
+    "fold": Format("crease pattern in flat pieces", ("scale",), _pieces),
 }
 #: Of the ideal surface.
 SURFACES = {name: Format(words, ("at_degrees",), _solid(write)) for name, (write, words) in _SURFACES.items()}
@@ -93,16 +155,16 @@ def check(name: str, settings: Settings) -> Format:
     Raises:
         InputError: there is none.
     """
-    formats = SURFACES if settings.thickness is None else PANELS
+    formats = PATTERNS | SURFACES if settings.thickness is None else PANELS
     chosen = formats.get(name)
     if chosen is None:
         kind = "format" if settings.thickness is None else "format of thick panels"
-        known = sorted({*SURFACES, *PANELS})
+        known = sorted({*PATTERNS, *SURFACES, *PANELS})
         raise InputError(
             f"{name!r} is no {kind}: there are {', '.join(formats)}.{did_you_mean(name, set(known) - {name})}",
-            hint="Thick panels are made where --thickness is given." if name in known else None,
+            hint="Without --thickness it is one." if name in known else None,
         )
-    given = [key for key, value in vars(settings).items() if value not in (None, ())]
+    given = [key for key, value in vars(settings).items() if value not in (None, (), False)]
     strange = [option(key) for key in given if key not in chosen.takes]
     if strange:
         takes = ", ".join(option(key) for key in chosen.takes)
