@@ -50,6 +50,17 @@ def everything(folder: Path) -> dict[Path, bytes]:
         ("--to dxf --thickness 0.02 --sheet 0.1 0.1", ["0.1"]),
         ("--to dxf --thickness 0.02 --sheet 9 9 --density 0", ["density"]),
         ("--to dxf --thickness 0.02 --sheet 9 9 -o one.dxf", ["files cannot be one file", "folder"]),
+        ("--to svg --dash 3", ["both --dash and --gap"]),
+        ("--to svg --dash 3 --gap -1", ["gaps are -1 mm", "more than 0"]),
+        ("--to dxf --scale 0", ["scale is 0", "1 : 10"]),
+        ("--to svg --flaps -2", ["flaps are -2 mm"]),
+        ("--to svg --layers --flaps 3", ["--layers or --flaps"]),
+        ("--to svg --paper A4", ["--paper", "--dash"]),
+        ("--to pdf --paper A9", ["'A9' is no paper", "A0, A1", "Did you mean"]),
+        ("--to pdf --scale 50", ["pages of A4", "at most 500", "smaller scale"]),
+        ("--to svg --thickness 0.02", ["'svg' is no format of thick panels", "Without --thickness"]),
+        ("--to fold --at 30", ["--at", "--scale"]),
+        ("--to fold -o mine/tube.fold", ["written over"]),
         ("--to ply -o one.obj", ["one.obj", "ply"]),
         ("-o mine/tube.fold/out --to obj", ["tube.fold is a file"]),
     ],
@@ -69,6 +80,22 @@ def test_wrong_input_is_refused_and_nothing_written(
 def test_a_folder_that_is_none_is_refused_with_nothing_written(design: Path, capsys: pytest.CaptureFixture[str]):
     assert cli.run(["export", str(design), "--to", "obj", "-o", "/proc/none"]) == cli.WRONG_INPUT
     assert "/proc" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", formats.PATTERNS)
+def test_crease_patterns_go_beside_the_design(name: str, design: Path, capsys: pytest.CaptureFixture[str]):
+    words = [] if name == "fold" else ["--dash", "4", "--gap", "2", "--flaps", "5"]
+    assert cli.run(["export", str(design), "--to", name, "--scale", "0.05", *words]) == 0
+    path = Path(f"mine/crease_pattern.{name}")
+    first = path.read_bytes()
+    assert str(path) in capsys.readouterr().out
+    assert cli.run(["export", str(design), "--to", name, "--scale", "0.05", *words]) == 0
+    assert path.read_bytes() == first
+
+
+def test_layers_are_drawn_on_demand(design: Path):
+    assert cli.run(["export", str(design), "-o", "layers.svg", "--layers", "--scale", "0.05"]) == 0
+    assert "layer 1 of 2" in Path("layers.svg").read_text()
 
 
 @pytest.mark.parametrize("name", formats.SURFACES)

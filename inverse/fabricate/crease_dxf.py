@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import numpy as np
 
+from inverse.fabricate.dxf_file import content_of
 from inverse.fabricate.extras import needed
 from inverse.fabricate.plan import LAYERS, Plan
 from inverse.pictures.colours import rgb
@@ -32,6 +32,4 @@ def crease_dxf(plan: Plan) -> bytes:
         entity = space.add_text(text.words, height=text.height, rotation=float(np.degrees(text.angle)))
         entity.dxf.layer = text.layer
         entity.set_placement(text.place.tolist(), align=ezdxf.enums.TextEntityAlignment.MIDDLE_CENTER)
-    stream = io.StringIO()
-    document.write(stream)
-    return stream.getvalue().encode(document.output_encoding)
+    return content_of(document)

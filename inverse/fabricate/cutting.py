@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from inverse.errors import InputError
+from inverse.fabricate.dxf_file import content_of
 from inverse.fabricate.extras import needed
 from inverse.fabricate.nesting import Placed, nested
 from inverse.fabricate.panels import Panels, panels
@@ -131,9 +132,7 @@ def _sheet(placed: list[tuple[Piece, Placed]], size: tuple[float, float], design
         letters = 2 * radius / np.hypot(_LETTER * len(piece.name), 1.0)
         text = space.add_text(piece.name, height=0.9 * letters, dxfattribs={"layer": _ENGRAVE})
         text.set_placement(tuple(middle.tolist()), align=ezdxf.enums.TextEntityAlignment.MIDDLE_CENTER)
-    stream = io.StringIO()
-    document.write(stream)
-    return stream.getvalue().encode(document.output_encoding)
+    return content_of(document)
 
 
 def _middle(outline: FloatArray) -> tuple[FloatArray, float]:
