@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import inverse
-from inverse import constraints, cylinder_loop, formulate, pictures, redundancy, tube_fit
+from inverse import constraints, cylinder_loop, formulate, pictures, redundancy
 from inverse.assembly import Problem
 from inverse.model import DesignModel
 from inverse.spec import from_mapping
@@ -114,10 +114,9 @@ def freedom(sides: int, rows: int) -> tuple[int, int]:
     """Dimension of the solution space with bars and with exact, moves of the whole removed, at the seed."""
     loaded = from_mapping(specification("freedom", sides, rows, TARGETS["taper"], "exact"))
     model = DesignModel(formulate.build_seed(loaded, formulate.build_target(loaded)))
-    rings = tube_fit.ring_facets(model.pattern).tolist()
     vertices = [constraints.opposite_angles(model), *constraints.planarity(model)]
     found = []
-    for loop in ([cylinder_loop.bars(model, "loop", rings[0])], cylinder_loop.exact(model, "loop", rings[rows // 2])):
+    for loop in (cylinder_loop.around_holes(model, how) for how in ("bars", "exact")):
         problem = Problem(model.n_variables, [], [*vertices, *loop])
         told = redundancy.dependence(problem, model.seed_points.ravel(), problem.parameters())
         found.append(int(told["freedom"]) - 6)

@@ -18,6 +18,7 @@ Where the hole is one missing facet, the disk that fills it is that facet with i
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import casadi
 import numpy as np
@@ -26,12 +27,35 @@ from numpy.typing import NDArray
 from inverse import constraints, geometry
 from inverse.errors import InputError
 from inverse.fillings import Filling, Quadrilateral, fillings, quadrilaterals
-from inverse.holes import boundary_loops
+from inverse.holes import boundary_loops, hole_strips
 from inverse.kernels import Elements, Kernel
 from inverse.model import Constraint, DesignModel
 from inverse.pattern import FloatArray, IntArray, Pattern
 
 FITS = 1e-6  # of a seed's equations: a filling that it leaves further off is not one of its families
+
+
+def around_holes(model: DesignModel, how: Literal["exact", "bars"] = "exact") -> list[Constraint]:
+    """One strip around every hole closes through the whole motion, or keeps its shape; nothing for a disk.
+
+    Args:
+        model: the model.
+        how: by :func:`exact` or :func:`bars`.
+
+    Raises:
+        InputError: a strip does not close in the seed's motion.
+    """
+    pattern = model.pattern
+    if pattern.n_holes == 1 and pattern.grid is not None:
+        k, rows = pattern.grid
+        # The paper keeps the strip along one end of a tube; in the middle the exact condition is best conditioned.
+        row = 0 if how == "bars" else rows // 2
+        strips: tuple[tuple[int, ...], ...] = (tuple(i * rows + row for i in range(k)),)
+    else:
+        strips = hole_strips(pattern)
+    if how == "bars":
+        return [bars(model, f"loop_{h}", strip) for h, strip in enumerate(strips)]
+    return [term for h, strip in enumerate(strips) for term in exact(model, f"loop_{h}", strip)]
 
 
 def exact(model: DesignModel, name: str, strip: tuple[int, ...], filling: Filling | None = None) -> list[Constraint]:

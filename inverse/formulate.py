@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from inverse import anchors, constraints, cylinder_loop, fold_file, holes, objectives, placement, seeds, tube_fit
+from inverse import anchors, constraints, cylinder_loop, fold_file, objectives, placement, seeds, tube_fit
 from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
 from inverse.model import Constraint, DesignModel, Objective
@@ -174,22 +174,11 @@ def build_seed(loaded: Loaded, target: Target) -> Design:
 
 def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:
     """One strip around every hole that closes through the whole motion, or keeps its shape."""
-    pattern = model.pattern
-    if pattern.n_holes == 0:
-        return []
-    bars = loaded.specification.constraints.loop == "bars"
-    if tube_fit.is_tube(pattern):
-        rings = tube_fit.ring_facets(pattern)
-        # The paper keeps the strip along one end; in the middle the exact condition is best conditioned.
-        strips: tuple[tuple[int, ...], ...] = (tuple(rings[0 if bars else len(rings) // 2].tolist()),)
-    else:
-        strips = holes.hole_strips(pattern)
-    if bars:
-        return [cylinder_loop.bars(model, f"loop_{h}", strip) for h, strip in enumerate(strips)]
+    asked = loaded.specification.constraints.loop
     return _within(
         loaded,
-        ("constraints", "loop") if loaded.specification.constraints.loop else ("pattern",),
-        lambda: [term for h, strip in enumerate(strips) for term in cylinder_loop.exact(model, f"loop_{h}", strip)],
+        ("constraints", "loop") if asked else ("pattern",),
+        lambda: cylinder_loop.around_holes(model, asked or "exact"),
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from inverse import constraints, geometry
+from inverse import constraints, cylinder_loop, geometry
 from inverse.assembly import Problem
 from inverse.constraints import Range
 from inverse.errors import InputError
@@ -54,7 +54,8 @@ def refine(
     """Move vertices as far as the constraints admit, and to the nearest admissible place otherwise.
 
     Edges keep within 0.3 to 3 of their lengths, sector angles within 14 to 166 degrees, folds their signs and 20 to
-    160 degrees (or what the given design has beyond these).
+    160 degrees (or what the given design has beyond these). Around every hole a strip stays closed through the whole
+    motion.
 
     Args:
         design: the design to start from; small errors of its own are removed.
@@ -70,7 +71,8 @@ def refine(
         The design that was reached; see ``remaining`` for what is left of the way.
 
     Raises:
-        InputError: a vertex that is not there, a displacement that is not finite or of another shape, no steps.
+        InputError: a vertex that is not there, a displacement that is not finite or of another shape, no steps; a
+            strip around a hole that opens already.
     """
     n_vertices = design.pattern.n_vertices
     named, wished = _wished(move, n_vertices)
@@ -82,7 +84,7 @@ def refine(
     if steps < 1:
         raise InputError(f"{steps} steps were given: at least 1 is needed")
     model = DesignModel(design)
-    terms = constraints.hard_constraints(model, _limits(design))
+    terms = [*constraints.hard_constraints(model, _limits(design)), *cylinder_loop.around_holes(model)]
     if len(pinned):
         terms.append(constraints.on_point(model, "pins", pinned, design.vertices_coords[pinned]))
     if len(ends):

@@ -36,8 +36,7 @@ def exact(design: Design, *, closed: bool = True) -> tuple[DesignModel, Problem]
     model = DesignModel(design)
     terms = [constraints.opposite_angles(model), *constraints.planarity(model)]
     if closed:
-        for h, strip in enumerate(hole_strips(design.pattern)):
-            terms += cylinder_loop.exact(model, f"loop_{h}", strip)
+        terms += cylinder_loop.around_holes(model)
     return model, Problem(model.n_variables, [], [term for term in terms if term.elements.count])
 
 

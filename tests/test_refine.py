@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
-from designs import ALL, assert_close, eggbox, hybrid, miura, perturbed, tube
+from designs import ALL, assert_close, eggbox, holed, hybrid, miura, perturbed, tube
 
 import inverse
 from inverse import constraints, fold_file, geometry
@@ -228,3 +230,15 @@ def test_the_same_in_any_unit(name: str) -> None:
 def test_refusals(keys: dict, message: str) -> None:
     with pytest.raises(inverse.InputError, match=message):
         inverse.refine(miura(4, 4), **keys)
+
+
+@pytest.mark.parametrize("make", [lambda: tube(6, 4), lambda: holed(miura, 5)], ids=["tube", "hole"])
+def test_what_goes_round_a_hole_stays_closed(make: Callable[[], Design]) -> None:
+    design = make()
+    size = geometry.diagonal(design.vertices_coords)
+    found = inverse.refine(design, {0: (0.05 * size, 0.02 * size, -0.03 * size)})
+    assert found.residual < 1e-9
+    assert np.abs(found.design.vertices_coords - design.vertices_coords).max() > 0.02 * size
+    certificate = check_frame(frame_of(fold_file.document(found.design)))
+    assert certificate.checks["loop_closure"].value < 1e-11
+    assert certificate.certified
