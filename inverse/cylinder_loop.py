@@ -91,7 +91,9 @@ def exact(model: DesignModel, name: str, strip: tuple[int, ...], filling: Fillin
     kernel = Kernel(name, residual, 3 * len(vertices))
     elements = Elements(name, kernel, model.variables_of(vertices[None]), np.empty((1, 0)))
     zero = np.zeros((1, kernel.n_residuals))
-    return [Constraint(elements, zero, zero, (_label(strip),), implies_others=True)]
+    # Where a line of vertices goes round beside the strip, what closes the strip closes the next one.
+    rings = any(line[0] == line[-1] for line in model.pattern.lines)
+    return [Constraint(elements, zero, zero, (_label(strip),), implies_others=rings)]
 
 
 def suited(model: DesignModel, strip: tuple[int, ...]) -> list[Filling]:
