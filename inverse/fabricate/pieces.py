@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from inverse import geometry
 from inverse.errors import InputError
 from inverse.fabricate.extras import needed
 from inverse.fabricate.units import millimetres
-from inverse.pattern import Design, FloatArray, IntArray
+from inverse.pattern import Design, FloatArray, IntArray, Pattern
 from inverse.pictures.sheets import Sheet, lay_out
 
 OVERLAP = 1e-9  # of a piece's area
+TRUE = 1e-6  # of the mean edge: by how much a drawing may differ from the design
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +46,63 @@ def pieces_of(design: Design, scale: float) -> list[Piece]:
         scale: of the model, 1 for full size; a design without a unit is taken as millimetres.
 
     Raises:
-        InputError: the scale is not positive; shapely is missing.
+        InputError: the scale is not positive; the design cannot be developed; shapely is missing.
+    """
+    return [piece for sheet in to_scale(design, lay_out(design), scale) for piece in _without_overlap(design, sheet)]
+
+
+def edges_of(pattern: Pattern, pieces: list[Piece]) -> list[list[int]]:
+    """Edges of every piece, ascending."""
+    piece_of = {f: k for k, piece in enumerate(pieces) for f in piece.faces}
+    found: list[list[int]] = [[] for _ in pieces]
+    for edge, faces in enumerate(pattern.edges_faces.tolist()):
+        for k in {piece_of[f] for f in faces if f >= 0}:
+            found[k].append(edge)
+    return found
+
+
+def to_scale(design: Design, sheets: list[Sheet], scale: float) -> list[Sheet]:
+    """Sheets of the developed state in mm of the model.
+
+    Args:
+        design: the design.
+        sheets: in its unit.
+        scale: of the model, 1 for full size.
+
+    Raises:
+        InputError: the scale is not positive; the design cannot be developed, so that the sheets are not true.
     """
     if not (np.isfinite(scale) and scale > 0):
         raise InputError(f"the scale is {scale:g}: it must be greater than 0", hint="0.1 makes a model of 1 : 10.")
+    _check_true(design, sheets)
     factor = scale * millimetres(design.unit)
-    return [piece for sheet in lay_out(design) for piece in _without_overlap(design, sheet, factor)]
+    return [replace(sheet, points=factor * sheet.points) for sheet in sheets]
 
 
-def _without_overlap(design: Design, sheet: Sheet, factor: float) -> list[Piece]:
+def _check_true(design: Design, sheets: list[Sheet]) -> None:
+    """Edges, and chords between the neighbours of a facet's corner, are as long as in the design."""
+    pattern, points = design.pattern, design.vertices_coords
+    mean = float(geometry.edge_lengths(pattern, points).mean())
+    for sheet in sheets:
+        corners = pattern.corners[np.isin(pattern.corners[:, 0], sheet.faces)]
+        for ends in (corners[:, [2, 3]], corners[:, [1, 3]]):
+            wrong = np.abs(_lengths(sheet.place_of(ends)) - _lengths(points[ends])) / mean
+            worst = int(np.argmax(wrong))
+            if not wrong[worst] <= TRUE:
+                raise InputError(
+                    f"the developed state tears: facet {corners[worst, 0]} is off by {wrong[worst]:.2g} mean edges",
+                    hint="`inverse check` says which condition fails; `inverse repair` moves a pattern.",
+                )
+
+
+def _lengths(ends: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+
+def _without_overlap(design: Design, sheet: Sheet) -> list[Piece]:
     shapely = needed("shapely")
     faces_vertices = design.pattern.faces_vertices
-    places = dict(zip(sheet.vertices.tolist(), factor * sheet.points, strict=True))
+    places = dict(zip(sheet.vertices.tolist(), sheet.points, strict=True))
     outlines = {f: shapely.Polygon([places[v] for v in faces_vertices[f]]) for f in sheet.faces.tolist()}
     whole = shapely.union_all(list(outlines.values()))
     area = sum(outline.area for outline in outlines.values())
