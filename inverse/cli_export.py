@@ -6,7 +6,7 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter, Token
 
@@ -49,7 +49,7 @@ def export(
     dash: float | None = None,
     gap: float | None = None,
     flaps: float | None = None,
-    layers: Annotated[bool, Parameter(negative=())] = False,
+    layers: Literal["apart", "stacked"] | None = None,
     paper: str | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
@@ -71,7 +71,8 @@ def export(
         dash: perforate what is folded by cuts of this length in mm, with --gap between them.
         gap: least length in mm between the cuts of a perforation.
         flaps: depth in mm of flaps to glue pieces together with.
-        layers: draw the layers of the developed state where they lie instead of pieces to cut.
+        layers: no pieces to cut, but the layers of the developed state where they lie: one beside the other (apart) or
+            over the other (stacked).
         paper: of a pdf: A0 to A4, letter or tabloid; A4 by default.
         as_json: print the result as JSON.
     """

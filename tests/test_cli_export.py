@@ -54,7 +54,8 @@ def everything(folder: Path) -> dict[Path, bytes]:
         ("--to svg --dash 3 --gap -1", ["gaps are -1 mm", "more than 0"]),
         ("--to dxf --scale 0", ["scale is 0", "1 : 10"]),
         ("--to svg --flaps -2", ["flaps are -2 mm"]),
-        ("--to svg --layers --flaps 3", ["--layers or --flaps"]),
+        ("--to svg --layers apart --flaps 3", ["--layers or --flaps"]),
+        ("--to svg --layers beside", ["beside", "apart", "stacked"]),
         ("--to svg --paper A4", ["--paper", "--dash"]),
         ("--to pdf --paper A9", ["'A9' is no paper", "A0, A1", "Did you mean"]),
         ("--to pdf --scale 50", ["pages of A4", "at most 500", "smaller scale"]),
@@ -94,8 +95,10 @@ def test_crease_patterns_go_beside_the_design(name: str, design: Path, capsys: p
 
 
 def test_layers_are_drawn_on_demand(design: Path):
-    assert cli.run(["export", str(design), "-o", "layers.svg", "--layers", "--scale", "0.05"]) == 0
-    assert "layer 1 of 2" in Path("layers.svg").read_text()
+    for word in ("apart", "stacked"):
+        assert cli.run(["export", str(design), "-o", f"{word}.svg", "--layers", word, "--scale", "0.05"]) == 0
+    assert "layer 1 of 2" in Path("apart.svg").read_text()
+    assert "layer 1 of 2" not in Path("stacked.svg").read_text()
 
 
 @pytest.mark.parametrize("name", formats.SURFACES)

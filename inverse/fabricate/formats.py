@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -39,7 +40,7 @@ class Settings:
         dash: length in mm of the cuts that perforate what is folded.
         gap: least length in mm between them.
         flaps: depth in mm of flaps along seams.
-        layers: whether layers are drawn where they lie instead of being cut apart.
+        layers: layers are drawn where they lie instead of being cut apart, side by side (apart) or stacked.
         paper: of the pages.
     """
 
@@ -54,7 +55,7 @@ class Settings:
     dash: float | None = None
     gap: float | None = None
     flaps: float | None = None
-    layers: bool = False
+    layers: Literal["apart", "stacked"] | None = None
     paper: str | None = None
 
 
@@ -112,7 +113,7 @@ def plan_of(design: Design, settings: Settings) -> Plan:
         raise InputError("perforation needs both --dash and --gap", hint="--dash 3 --gap 2 suits card.")
     scale = _scale(settings)
     plan = (
-        layers_plan(design, scale=scale)
+        layers_plan(design, scale=scale, apart=settings.layers == "apart")
         if settings.layers
         else crease_plan(design, scale=scale, flaps=settings.flaps or 0.0)
     )
@@ -164,7 +165,7 @@ def check(name: str, settings: Settings) -> Format:
             f"{name!r} is no {kind}: there are {', '.join(formats)}.{did_you_mean(name, set(known) - {name})}",
             hint="Without --thickness it is one." if name in known else None,
         )
-    given = [key for key, value in vars(settings).items() if value not in (None, (), False)]
+    given = [key for key, value in vars(settings).items() if value not in (None, ())]
     strange = [option(key) for key in given if key not in chosen.takes]
     if strange:
         takes = ", ".join(option(key) for key in chosen.takes)
