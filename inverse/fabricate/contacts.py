@@ -8,19 +8,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from inverse import folding
-from inverse.crossing import crossing_facets
 from inverse.fabricate.boxes import overlapping_boxes
 from inverse.fabricate.extras import needed
 from inverse.fabricate.panels import Panels
 from inverse.fabricate.separation import gaps
-from inverse.pattern import Design, FloatArray, IntArray
+from inverse.pattern import FloatArray, IntArray
 
 CONTACT = 1e-9  # an overlap of this share of a panel, in depth or in volume, is contact
 RESOLUTION = float(np.radians(1e-3))  # to which the first contact is located
 _BEYOND = 8  # states between the range and the flat state
-# In a flat state the ideal facets lie in one plane, and whether they cross is undecidable.
-_NEAREST_TO_FLAT = float(np.radians(0.01))
 _STATES_AT_ONCE = 8  # bounds the memory
 
 
@@ -31,7 +27,7 @@ class Contact:
     Attributes:
         t: folding amount in radians.
         facets: the two, the smaller number first.
-        volume: of their intersection at ``t``, cubic units of the design; 0 for ideal facets, which have none.
+        volume: of their intersection at ``t``, cubic units of the design.
     """
 
     t: float
@@ -73,21 +69,6 @@ def first_contacts(panels: Panels, states: int = 24) -> tuple[Contact | None, Co
     down, up = ([*inside[1], *way, *_beyond(end, flat)] for way, end, flat in
                 ((inside[0][::-1], low, 0.0), (inside[2], high, np.pi)))  # fmt: skip
     return _first(worst, down), _first(worst, up)
-
-
-def first_crossings(design: Design, states: int = 64) -> tuple[Contact | None, Contact | None]:
-    """The same for the ideal facets, without thickness, by exact predicates.
-
-    States are sampled from the design state outwards to within 0.01 degrees of the flat states.
-    """
-
-    def crossing(t: float) -> Contact | None:
-        pairs = crossing_facets(folding.fold(design, np.array([t])).vertices_coords[0], design.pattern.faces_vertices)
-        return Contact(t, (int(pairs[0, 0]), int(pairs[0, 1])), 0.0) if len(pairs) else None
-
-    ends = (_NEAREST_TO_FLAT, np.pi - _NEAREST_TO_FLAT)
-    down, up = (_first(crossing, list(np.linspace(np.pi / 2, end, states // 2 + 1))) for end in ends)
-    return down, up
 
 
 def _beyond(limit: float, flat: float) -> list[float]:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from inverse.fabricate.contacts import Contact, first_contacts, first_crossings, penetrations
+from inverse import fold_file
+from inverse.certify import check_frame
+from inverse.fabricate.contacts import Contact, first_contacts, penetrations
 from inverse.fabricate.panels import Panels
+from inverse.fold_format import frame_of
 
 
 def report_lines(panels: Panels, states: int = 24) -> list[str]:
@@ -32,9 +35,8 @@ def report_lines(panels: Panels, states: int = 24) -> list[str]:
     for contact, way in zip(first_contacts(panels, states), ("developed", "flat-folded"), strict=True):
         told = "none" if contact is None else f"panels {_who(panels, contact)}"
         lines.append(f"first contact towards the {way} state: {told}")
-    for contact, way in zip(first_crossings(panels.design), ("developed", "flat-folded"), strict=True):
-        if contact is not None:
-            lines.append(f"without thickness, facets {_who(panels, contact)} cross towards the {way} state")
+    certificate = check_frame(frame_of(fold_file.document(panels.design)))
+    lines += [f"without thickness, {crossing.sentence}" for crossing in certificate.crossings]
     return lines
 
 
