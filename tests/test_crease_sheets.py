@@ -169,12 +169,16 @@ def test_flaps_in_a_hole_keep_from_facets_and_from_each_other(seed: int, depth: 
         assert high >= min(depth, length / 3) * (1 - 1e-9)
 
 
-def test_flaps_where_there_is_room_are_as_asked() -> None:
-    for corners in trapezoids(crease_plan(hybrid(), scale=0.1, flaps=8.0)):
+@pytest.mark.parametrize(("scale", "depth"), [(0.1, 8.0), (0.1, 0.5), (1.0, 6.0), (10.0, 2.0)])
+def test_flaps_where_there_is_room_are_as_asked(scale: float, depth: float) -> None:
+    design = hybrid()
+    flaps = trapezoids(crease_plan(design, scale=scale, flaps=depth))
+    assert len(flaps) == len(seams(design, pieces_of(design, scale)))
+    for corners in flaps:
         b, outer_b, outer_a, a = corners
-        assert np.linalg.norm(outer_a - a) == pytest.approx(8 * np.sqrt(2))
-        assert np.linalg.norm(outer_b - b) == pytest.approx(8 * np.sqrt(2))
-        assert np.linalg.norm(outer_b - outer_a) == pytest.approx(np.linalg.norm(b - a) - 16)
+        assert np.linalg.norm(outer_a - a) == pytest.approx(depth * np.sqrt(2))
+        assert np.linalg.norm(outer_b - b) == pytest.approx(depth * np.sqrt(2))
+        assert np.linalg.norm(outer_b - outer_a) == pytest.approx(np.linalg.norm(b - a) - 2 * depth)
 
 
 def test_a_seam_is_folded_at_its_flap_and_cut_on_the_other_side(design: Design) -> None:
@@ -263,10 +267,28 @@ def test_a_sheet_whose_angles_are_wrong_is_refused() -> None:
 
 
 @pytest.mark.parametrize("draw", [crease_plan, layers_plan, crease_fold])
-@pytest.mark.parametrize("scale", [0.0, -1.0, np.nan, np.inf])
-def test_scales_that_cannot_be_are_refused(draw: Callable[..., object], scale: float) -> None:
-    with pytest.raises(InputError, match="it must be greater than 0"):
+@pytest.mark.parametrize(
+    ("scale", "words"),
+    [
+        *((scale, "it must be greater than 0") for scale in (0.0, -1.0, np.nan, np.inf)),
+        *((scale, "mm long: 0.001 to 1e.09 mm can be drawn") for scale in (1e-320, 1e-300, 1e-7, 1e7, 1e300, 1e308)),
+    ],
+)
+def test_scales_that_cannot_be_are_refused(draw: Callable[..., object], scale: float, words: str) -> None:
+    with pytest.raises(InputError, match=words):
         draw(miura(), scale=scale)
+
+
+@pytest.mark.parametrize("edge", [1.1e-3, 0.9e9])
+def test_pieces_at_the_least_and_the_largest_scale_are_true(edge: float) -> None:
+    for design in (tube(6, 10), hybrid()):
+        of = geometry.edge_lengths(design.pattern, design.vertices_coords)
+        scale = edge / (1000 * of.mean())
+        plan = crease_plan(design, scale=scale, flaps=0.2 * edge)
+        lengths = [np.linalg.norm(line.ends[1] - line.ends[0]) for line in plan.lines if line.edge >= 0]
+        edges = [line.edge for line in plan.lines if line.edge >= 0]
+        np.testing.assert_allclose(lengths, 1000 * scale * of[edges], rtol=1e-9)
+        assert len(trapezoids(plan)) == len(seams(design, pieces_of(design, scale)))
 
 
 def test_depths_that_cannot_be_are_refused() -> None:

@@ -9,6 +9,8 @@ import numpy as np
 from inverse.errors import InputError
 from inverse.fabricate.plan import FOLDS, Line, Plan
 
+MOST_CUTS = 500_000  # a file of some 100 MB
+
 
 def perforated(plan: Plan, dash: float, gap: float) -> Plan:
     """The same drawing with dashes in place of the lines that are folded.
@@ -23,11 +25,18 @@ def perforated(plan: Plan, dash: float, gap: float) -> Plan:
         gap: least length of what is left between cuts, in mm.
 
     Raises:
-        InputError: a length that is not positive.
+        InputError: a length that is not positive, or so short that there would be too many cuts.
     """
     for name, length in (("dashes", dash), ("gaps", gap)):
         if not (np.isfinite(length) and length > 0):
             raise InputError(f"the {name} are {length:g} mm long: more than 0 is needed")
+    folded = np.array([line.ends for line in plan.lines if line.layer in FOLDS]).reshape(-1, 2, 2)
+    cuts = float((np.linalg.norm(folded[:, 1] - folded[:, 0], axis=1) / (dash + gap)).sum())
+    if cuts > MOST_CUTS:
+        raise InputError(
+            f"dashes of {dash:g} mm and gaps of {gap:g} mm make {cuts:.3g} cuts: at most {MOST_CUTS} are drawn",
+            hint="Give longer ones, or a smaller scale.",
+        )
     lines = [part for line in plan.lines for part in (_dashed(line, dash, gap) if line.layer in FOLDS else [line])]
     return replace(plan, lines=tuple(lines))
 

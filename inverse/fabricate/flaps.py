@@ -13,7 +13,8 @@ from inverse.pattern import FloatArray, Pattern
 
 _TAPER = np.pi / 4
 _OUTER = 1 / 3  # least length of the outer side, of the edge
-_SHALLOW = 0.02  # a flap less deep than this share of its edge is left out
+_SHALLOW = 0.02  # a flap less deep than this share of its edge is left out,
+_LESS = 0.25  # unless it is deeper than this share of what is asked for
 _SHARE = 0.45  # of the free angle at a vertex, so that two flaps have room in it
 
 
@@ -79,8 +80,9 @@ class _Room:
         """How deep a flap can be, the piece on the left of the edge; 0 for none."""
         length = float(np.linalg.norm(self._places[ends[1]] - self._places[ends[0]]))
         tapers = self._tapers(ends)
+        least = min(_SHALLOW * length, _LESS * depth)
         depth = min(depth, (1 - _OUTER) * length / float((1 / np.tan(tapers)).sum()))
-        while depth >= _SHALLOW * length:
+        while depth >= least:
             if self._is_free(self._shapely.Polygon(self._trapezoid(ends, depth, tapers))):
                 return depth
             depth *= 0.9

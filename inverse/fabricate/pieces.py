@@ -16,6 +16,7 @@ from inverse.pictures.sheets import Sheet, lay_out
 
 OVERLAP = 1e-9  # of a piece's area
 TRUE = 1e-6  # of the mean edge: by how much a drawing may differ from the design
+SIZES = 1e-3, 1e9  # mm, of the mean edge: beyond, places in a drawing have no 9 digits, or overlap cannot be told
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,12 +71,20 @@ def to_scale(design: Design, sheets: list[Sheet], scale: float) -> list[Sheet]:
         scale: of the model, 1 for full size.
 
     Raises:
-        InputError: the scale is not positive; the design cannot be developed, so that the sheets are not true.
+        InputError: the scale is not positive, or makes edges too short or too long to be drawn; the design cannot be
+            developed, so that the sheets are not true.
     """
     if not (np.isfinite(scale) and scale > 0):
         raise InputError(f"the scale is {scale:g}: it must be greater than 0", hint="0.1 makes a model of 1 : 10.")
     _check_true(design, sheets)
     factor = scale * millimetres(design.unit)
+    with np.errstate(over="ignore"):
+        mean = factor * float(geometry.edge_lengths(design.pattern, design.vertices_coords).mean())
+    if not SIZES[0] <= mean <= SIZES[1]:
+        raise InputError(
+            f"at the scale {scale:g} edges are {mean:.3g} mm long: {SIZES[0]:g} to {SIZES[1]:g} mm can be drawn",
+            hint="Give another --scale; 0.1 makes a model of 1 : 10.",
+        )
     return [replace(sheet, points=factor * sheet.points) for sheet in sheets]
 
 
