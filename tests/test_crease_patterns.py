@@ -7,6 +7,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Callable
+from typing import Any
 
 import ezdxf
 import numpy as np
@@ -19,13 +20,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import inverse
-from inverse import geometry, seeds
+from inverse import fold_file, geometry, seeds
 from inverse.errors import InputError
 from inverse.fabricate.crease_dxf import crease_dxf
 from inverse.fabricate.crease_fold import crease_fold
 from inverse.fabricate.crease_plan import crease_plan, layers_plan
 from inverse.fabricate.dashes import perforated
-from inverse.fabricate.pdf import BAR, EDGE, PAPERS, pdf, tiles
+from inverse.fabricate.pdf import BAR, EDGE, FOOT, PAPERS, pdf, tiles
 from inverse.fabricate.pieces import pieces_of
 from inverse.fabricate.plan import FOLDS, LAYERS, Line, Plan
 from inverse.fabricate.svg import svg
@@ -116,13 +117,16 @@ READERS: dict[str, Callable[[Plan], Drawn]] = {
 }
 
 
+def sides(polygon: FloatArray) -> FloatArray:
+    """Length of the edge from every corner on, and angle there, (k, 2), of a polygon that turns counter-clockwise."""
+    ahead, back = np.roll(polygon, -1, axis=0) - polygon, np.roll(polygon, 1, axis=0) - polygon
+    cross = ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]
+    return np.column_stack([np.linalg.norm(ahead, axis=1), np.arctan2(cross, (ahead * back).sum(axis=1))])
+
+
 def signature(polygon: FloatArray) -> FloatArray:
     """Edge lengths and angles of a polygon (k, 2) that turns counter-clockwise, from its least one on."""
-    ahead, back = np.roll(polygon, -1, axis=0) - polygon, np.roll(polygon, 1, axis=0) - polygon
-    lengths = np.linalg.norm(ahead, axis=1)
-    cross = ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]
-    angles = np.arctan2(cross, (ahead * back).sum(axis=1))
-    rows = [np.column_stack([np.roll(lengths, -k), np.roll(angles, -k)]).ravel() for k in range(len(polygon))]
+    rows = [np.roll(sides(polygon), -k, axis=0).ravel() for k in range(len(polygon))]
     return min(rows, key=lambda row: tuple(np.round(row, 6)))
 
 
@@ -151,8 +155,11 @@ def assert_same_facets(polygons: list[FloatArray], design: Design) -> None:
         left.pop(near)
 
 
-def put_together(drawn: Drawn) -> tuple[list[FloatArray], int]:
-    """Facets of a drawing, (k, 2) each, and the number of vertices that are left when equal labels are joined."""
+Place = tuple[float, float]
+
+
+def put_together(drawn: Drawn) -> tuple[list[FloatArray], Callable[[list[float]], Place]]:
+    """Facets of a drawing, (k, 2) each, and where the vertex at a place is first drawn when equal labels are joined."""
     lines, texts = drawn
     ends = [pair for layer, pair in lines if layer != "flap"]
     places = {tuple(point) for pair in ends for point in pair.tolist()}
@@ -164,7 +171,8 @@ def put_together(drawn: Drawn) -> tuple[list[FloatArray], int]:
     facets = [np.array(shapely.geometry.polygon.orient(one).exterior.coords)[:-1] for one in polygons]
     joined = {place: place for place in places}
 
-    def root(place: tuple[float, float]) -> tuple[float, float]:
+    def root(point: list[float]) -> Place:
+        place = (point[0], point[1])
         while joined[place] != place:
             place = joined[place]
         return place
@@ -180,18 +188,90 @@ def put_together(drawn: Drawn) -> tuple[list[FloatArray], int]:
         lengths = [np.linalg.norm(edge[1] - edge[0]) for edge in pair]
         assert abs(lengths[0] / lengths[1] - 1) < 1e-9
         for here, there in zip(one.tolist(), other[::-1].tolist(), strict=True):  # each goes round its own facet
-            joined[root(tuple(here))] = root(tuple(there))
-    return facets, len({root(place) for place in places})
+            joined[root(here)] = root(there)
+    return facets, root
+
+
+Edge = tuple[Any, Any]  # from a vertex to the next one around a facet
+
+
+def around(facets: list[list[Any]], polygons: list[FloatArray]) -> dict[Edge, tuple[Edge, FloatArray]]:
+    """For every edge of every facet the next one around it, and its own length and angle."""
+    found = {}
+    for facet, polygon in zip(facets, polygons, strict=True):
+        edges = list(zip(facet, [*facet[1:], facet[0]], strict=True))
+        found |= dict(zip(edges, zip([*edges[1:], edges[0]], sides(polygon), strict=True), strict=True))
+    return found
+
+
+def walked(ours: dict[Edge, tuple[Edge, FloatArray]], theirs: dict[Edge, tuple[Edge, FloatArray]], first: Edge) -> Any:
+    """Edges of a drawing by those of a design, from a first one on over all facets; None if they differ anywhere."""
+    begin = next(iter(ours))
+    found, left = {begin: first}, [begin]
+    while left:
+        edge = left.pop()
+        own, other = ours[edge], theirs[found[edge]]
+        if np.abs(other[1] / own[1] - 1).max() > 1e-9:
+            return None
+        back, other_back = edge[::-1], found[edge][::-1]
+        if (back in ours) != (other_back in theirs):
+            return None
+        for here, there in ((own[0], other[0]), (back, other_back)):
+            if here in ours and here not in found:
+                left.append(here)
+            if here in ours and found.setdefault(here, there) != there:
+                return None
+    return found if len(found) == len(ours) == len(theirs) else None
+
+
+def vertices_of(drawn: Drawn, design: Design) -> dict[int, Place]:
+    """Where each vertex of a design is drawn: a drawing put together has the same facets, and the same beside each."""
+    facets, root = put_together(drawn)
+    ours = around([list(face) for face in design.pattern.faces_vertices], flat_facets(design))
+    theirs = around([[root(point) for point in facet.tolist()] for facet in facets], facets)
+    found = next(filter(None, (walked(ours, theirs, first) for first in theirs)), None)
+    assert found is not None, "the drawing put together is not the design"
+    pairs = {(edge[0], other[0]) for edge, other in found.items()}
+    assert len(pairs) == len(dict(pairs)) == len({place for _, place in pairs})
+    return dict(pairs)
 
 
 @pytest.mark.parametrize("flaps", [0.0, 3.0])
 @pytest.mark.parametrize("reader", READERS)
 def test_pieces_put_together_by_their_labels_are_the_design(reader: str, flaps: float, design: Design) -> None:
     drawn = READERS[reader](crease_plan(design, scale=SCALE, flaps=flaps))
-    facets, vertices = put_together(drawn)
-    assert_same_facets(facets, design)
-    assert vertices == design.pattern.n_vertices
-    assert {layer for layer, _ in drawn[0]} <= set(LAYERS)
+    place_of = vertices_of(drawn, design)
+    assert sorted(place_of) == list(range(design.pattern.n_vertices))
+    root = put_together(drawn)[1]
+    layers: dict[frozenset[Place], set[str]] = {}
+    for layer, ends in drawn[0]:
+        if layer != "flap":
+            layers.setdefault(frozenset(map(root, ends.tolist())), set()).add(layer)
+    document = fold_file.document(design)
+    words = {"M": "mountain", "V": "valley"}
+    for pair, kind, word in zip(
+        document["edges_vertices"], document["bdffpq:edges_type"], document["edges_assignment"], strict=True
+    ):
+        found = layers.pop(frozenset(place_of[v] for v in pair))
+        folded = words.get(word, "") if kind == "FL" else f"complementary {words.get(word)}"
+        if kind == "B":
+            assert found == {"cut"}
+        elif kind == "FL" and design.name != "rolled":  # which is cut at a foldline
+            assert found == {folded}
+        else:
+            assert "cut" in found or kind == "FL"
+            assert found <= ({"cut", folded} if flaps or kind == "FL" else {"cut"})
+    assert not layers
+
+
+def test_putting_together_notices_labels_that_are_exchanged() -> None:
+    design = tube(6, 10)
+    lines, texts = from_svg(svg(crease_plan(design, scale=SCALE)))
+    first, second = [next(k for k, (words, _) in enumerate(texts) if words == number) for number in ("3", "5")]
+    assert vertices_of((lines, texts), design)
+    texts[first], texts[second] = ("5", texts[first][1]), ("3", texts[second][1])
+    with pytest.raises(AssertionError):
+        vertices_of((lines, texts), design)
 
 
 @pytest.mark.node
@@ -304,6 +384,8 @@ def test_what_is_cut_is_not_perforated() -> None:
     for layer in LAYERS:
         counts = [sum(line.layer == layer for line in one.lines) for one in (plan, dashed)]
         assert counts[0] == counts[1] if layer not in FOLDS else counts[0] <= counts[1]
+    with pytest.raises(InputError, match=r"make 9.44e\+09 cuts: at most 500000 are drawn"):
+        perforated(plan, 1e-7, 1e-7)
     for wrong in ((0.0, 1.0), (1.0, -1.0), (np.inf, 1.0)):
         with pytest.raises(InputError, match="more than 0 is needed"):
             perforated(plan, *wrong)
@@ -351,6 +433,31 @@ def test_tiles_show_all_lines_and_overlap(width: float, height: float, paper: st
         inside = (points[:, None] >= low - 1e-9) & (points[:, None] <= high + 1e-9)
         assert inside.all(axis=2).any(axis=1).all()
     assert len({tile.name for tile in shown}) == len(shown)
+
+
+@pytest.mark.parametrize("paper", ["A4", "A2"])
+def test_every_page_shows_all_that_is_within_its_tile(paper: str) -> None:
+    plan = perforated(crease_plan(tube(6, 10), scale=0.2, flaps=6.0), 4.0, 2.0)
+    whole = shapely.linestrings([line.ends for line in plan.lines])
+    _, shown = tiles(plan, paper)
+    pages = pypdf.PdfReader(io.BytesIO(pdf(plan, paper))).pages
+    assert len(pages) == len(shown) > 1
+    seen: set[str] = set()
+    for page, tile in zip(pages, shown, strict=True):
+        drawn = page.get_contents().get_data().split(b" W* n")[1]
+        shift = re.search(rb"1 0 0 1 (-?[\d.]+) (-?[\d.]+) cm", drawn)
+        assert shift is not None
+        np.testing.assert_allclose([float(one) for one in shift.groups()], np.array([EDGE, EDGE + FOOT]) - tile.corner)
+        lines = re.findall(rb"(?<=n )(-?[\d.]+) (-?[\d.]+) m (-?[\d.]+) (-?[\d.]+) l S", drawn)
+        found = shapely.linestrings(np.array(lines, float).reshape(-1, 2, 2))
+        clip = shapely.box(*tile.corner, *(np.array(tile.corner) + tile.size))
+        within = [shapely.length(shapely.intersection(some, clip)).sum() for some in (found, whole)]
+        assert within[0] == pytest.approx(within[1], rel=1e-5)
+        assert len(lines) < len(plan.lines)
+        words = Counter(text.words for text in plan.texts if clip.contains(shapely.Point(text.place)))
+        assert not words - Counter(one.decode() for one in re.findall(rb"\((\d+)\) Tj", drawn))
+        seen |= set(words)
+    assert seen == {text.words for text in plan.texts}
 
 
 def test_empty_tiles_are_left_out() -> None:

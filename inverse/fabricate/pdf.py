@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inverse.errors import InputError
 from inverse.fabricate.extras import needed
-from inverse.fabricate.plan import LAYERS, Plan
+from inverse.fabricate.plan import LAYERS, Line, Plan, Text
 from inverse.pattern import FloatArray
 from inverse.pictures.colours import INK, rgb
 from inverse.words import did_you_mean
@@ -30,6 +31,7 @@ FOOT = 14.0  # mm below the drawing for scale bar and words
 OVERLAP = 10.0  # mm that neighbouring tiles have in common
 BAR = 100.0  # mm
 MOST_PAGES = 500
+WIDTH = 0.2  # mm, of lines
 _POINT = 72 / 25.4  # points in a millimetre
 
 
@@ -64,6 +66,7 @@ def pdf(plan: Plan, paper: str = "A4") -> bytes:
     canvas = canvases.Canvas(stream, pagesize=(page[0] * _POINT, page[1] * _POINT), invariant=1)
     canvas.setTitle(plan.title)
     canvas.setCreator("inverse")
+    ends, rooms = _ends(plan), np.array([_room(text) for text in plan.texts]).reshape(-1, 2, 2)
     for number, tile in enumerate(shown, 1):
         canvas.scale(_POINT, _POINT)
         _frame(canvas, plan, tile, f"{plan.title}, tile {tile.name}, page {number} of {len(shown)}")
@@ -72,7 +75,10 @@ def pdf(plan: Plan, paper: str = "A4") -> bytes:
         clip.rect(EDGE, EDGE + FOOT, *tile.size)
         canvas.clipPath(clip, stroke=0, fill=0)
         canvas.translate(EDGE - tile.corner[0], EDGE + FOOT - tile.corner[1])
-        _draw(canvas, plan)
+        low, high = np.array(tile.corner) - WIDTH, np.array(tile.corner) + tile.size + WIDTH
+        lines = [plan.lines[k] for k in np.flatnonzero(_meets(ends, low, high))]
+        near = ((rooms[:, 0] <= high) & (rooms[:, 1] >= low)).all(axis=1)
+        _draw(canvas, lines, [plan.texts[k] for k in np.flatnonzero(near)])
         canvas.restoreState()
         canvas.showPage()
     canvas.save()
@@ -97,12 +103,12 @@ def tiles(plan: Plan, paper: str) -> tuple[tuple[float, float], list[Tile]]:
             f" {MOST_PAGES} are made",
             hint="Choose a larger paper, or a smaller scale.",
         )
-    ends = np.array([line.ends for line in plan.lines])
+    ends = _ends(plan)
     shown = []
     for row in range(counts[1]):
         for column in range(counts[0]):
             corner = np.array([column, row]) * (room - OVERLAP)
-            if _meets(ends, corner, corner + room):
+            if _meets(ends, corner, corner + room).any():
                 name = f"{_letters(column)}{row + 1}"
                 shown.append(Tile(name, (float(corner[0]), float(corner[1])), (float(room[0]), float(room[1]))))
     return page, shown
@@ -114,8 +120,19 @@ def _tiled(plan: Plan, page: tuple[float, float]) -> tuple[tuple[float, float], 
     return page, counts, room
 
 
-def _meets(ends: FloatArray, low: FloatArray, high: FloatArray) -> bool:
-    """Whether one of the lines (N, 2, 2) has a point in a rectangle."""
+def _ends(plan: Plan) -> FloatArray:
+    """Ends (N, 2, 2) of all lines."""
+    return np.array([line.ends for line in plan.lines])
+
+
+def _room(text: Text) -> FloatArray:
+    """Lower left and upper right corner (2, 2) of a square around a word, however it is turned."""
+    reach = text.height * (len(text.words) + 1)  # twice what digits need
+    return np.array([text.place - reach, text.place + reach])
+
+
+def _meets(ends: FloatArray, low: FloatArray, high: FloatArray) -> NDArray[np.bool_]:
+    """Which lines (N, 2, 2) have a point in a rectangle, (N,)."""
     start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         first, last = (low - start) / along, (high - start) / along
@@ -123,7 +140,7 @@ def _meets(ends: FloatArray, low: FloatArray, high: FloatArray) -> bool:
     within = (start >= low) & (start <= high)
     enter = np.where(along == 0, np.where(within, -np.inf, np.inf), np.minimum(first, last)).max(axis=1)
     leave = np.where(along == 0, np.where(within, np.inf, -np.inf), np.maximum(first, last)).min(axis=1)
-    return bool((np.maximum(enter, 0) <= np.minimum(leave, 1)).any())
+    return np.asarray(np.maximum(enter, 0) <= np.minimum(leave, 1))
 
 
 def _letters(column: int) -> str:
@@ -160,17 +177,17 @@ def _frame(canvas: Any, plan: Plan, tile: Tile, words: str) -> None:
     canvas.rect(left + scale * tile.corner[0], bottom + scale * tile.corner[1], *(scale * part), stroke=0, fill=1)
 
 
-def _draw(canvas: Any, plan: Plan) -> None:
+def _draw(canvas: Any, lines: list[Line], texts: list[Text]) -> None:
     canvas.setLineCap(1)
     for layer, colour in LAYERS.items():
         shade = rgb(colour) / 255
         canvas.setStrokeColorRGB(*shade)
         canvas.setFillColorRGB(*shade)
-        canvas.setLineWidth(0.2)
-        for line in plan.lines:
+        canvas.setLineWidth(WIDTH)
+        for line in lines:
             if line.layer == layer:
                 canvas.line(*line.ends.ravel().tolist())
-        for text in plan.texts:
+        for text in texts:
             if text.layer == layer:
                 canvas.saveState()
                 canvas.translate(*text.place.tolist())
