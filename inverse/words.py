@@ -1,9 +1,18 @@
-"""Help with misspelt words."""
+"""Words of users: help with misspelt ones, and titles that every format can hold."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+
+
+def printable(text: str) -> str:
+    """The same on one line, without what some formats cannot hold: controls and halves of characters.
+
+    Args:
+        text: what somebody wrote, such as the title of a file.
+    """
+    return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def did_you_mean(word: str, allowed: Iterable[str]) -> str:

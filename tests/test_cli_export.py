@@ -6,6 +6,7 @@ import csv
 import json
 from itertools import pairwise
 from pathlib import Path
+from xml.etree import ElementTree
 
 import designs
 import numpy as np
@@ -51,6 +52,9 @@ def everything(folder: Path) -> dict[Path, bytes]:
         ("--to dxf --thickness 0.02 --sheet 9 9 --density 0", ["density"]),
         ("--to dxf --thickness 0.02 --sheet 9 9 -o one.dxf", ["files cannot be one file", "folder"]),
         ("--to svg --dash 3", ["both --dash and --gap"]),
+        ("--to svg --dash 1e-6 --gap 1e-6", ["cuts: at most 500000", "longer ones"]),
+        ("--to svg --scale 1e-300", ["1e-300", "0.001 to 1e+09 mm", "1 : 10"]),
+        ("--to fold --scale 1e300", ["1e+300", "0.001 to 1e+09 mm"]),
         ("--to svg --dash 3 --gap -1", ["gaps are -1 mm", "more than 0"]),
         ("--to dxf --scale 0", ["scale is 0", "1 : 10"]),
         ("--to svg --flaps -2", ["flaps are -2 mm"]),
@@ -99,6 +103,18 @@ def test_layers_are_drawn_on_demand(design: Path):
         assert cli.run(["export", str(design), "-o", f"{word}.svg", "--layers", word, "--scale", "0.05"]) == 0
     assert "layer 1 of 2" in Path("apart.svg").read_text()
     assert "layer 1 of 2" not in Path("stacked.svg").read_text()
+
+
+@pytest.mark.parametrize("name", [*formats.PATTERNS, *formats.SURFACES])
+def test_any_title_is_written(name: str, design: Path):
+    document = json.loads(design.read_text()) | {"file_title": "<a>\u0007\ud800\r\nb \u6771"}
+    design.write_text(json.dumps(document))
+    words = ["--scale", "0.05"] if name in formats.PATTERNS else []
+    assert cli.run(["export", str(design), "--to", name, "-o", "out", *words]) == 0
+    (path,) = Path("out").iterdir()
+    if name == "svg":
+        title = ElementTree.parse(path).findtext("{http://www.w3.org/2000/svg}title")
+        assert title == "<a>    b \u6771"
 
 
 @pytest.mark.parametrize("name", formats.SURFACES)

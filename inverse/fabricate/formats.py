@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -21,7 +21,7 @@ from inverse.fabricate.plan import Plan
 from inverse.fabricate.svg import svg
 from inverse.fabricate.thickness import Thickness
 from inverse.pattern import B, Design, FloatArray
-from inverse.words import did_you_mean
+from inverse.words import did_you_mean, printable
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,8 @@ def export(design: Design, name: str, settings: Settings) -> dict[str, bytes]:
     Raises:
         InputError: there is no such format, it does not take a setting, or the design cannot be made so.
     """
-    return check(name, settings).write(design, settings)
+    named = replace(design, name=printable(design.name), unit=printable(design.unit))
+    return check(name, settings).write(named, settings)
 
 
 def option(setting: str) -> str:
