@@ -455,7 +455,7 @@ def test_every_page_shows_all_that_is_within_its_tile(paper: str) -> None:
         assert within[0] == pytest.approx(within[1], rel=1e-5)
         assert len(lines) < len(plan.lines)
         words = Counter(text.words for text in plan.texts if clip.contains(shapely.Point(text.place)))
-        assert not words - Counter(one.decode() for one in re.findall(rb"\((\d+)\) Tj", drawn))
+        assert not words - Counter(one.decode() for one in re.findall(rb"\(([\d.]+)\) Tj", drawn))
         seen |= set(words)
     assert seen == {text.words for text in plan.texts}
 

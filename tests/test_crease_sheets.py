@@ -17,6 +17,7 @@ from inverse.errors import InputError
 from inverse.fabricate.crease_fold import crease_fold
 from inverse.fabricate.crease_plan import crease_plan, layers_plan, seams
 from inverse.fabricate.flaps import flaps_along
+from inverse.fabricate.labels import words_of
 from inverse.fabricate.pieces import Piece, pieces_of, to_scale
 from inverse.fabricate.plan import FOLDS, Line, Plan, Text
 from inverse.pattern import CFL, B, Design, FloatArray
@@ -79,7 +80,7 @@ def test_words_lie_in_their_facet_apart_and_nearest_to_their_edge(design: Design
     plan = crease_plan(design, scale=scale)
     facets = facets_of(plan)
     assert len(facets) == len(design.pattern.faces_vertices)
-    numbers = {str(number): edge for edge, number in seams(design, pieces_of(design, scale)).items()}
+    numbers = {words_of(number): edge for edge, number in seams(design, pieces_of(design, scale)).items()}
     assert Counter(text.words for text in plan.texts) == Counter(list(numbers) * 2)
     words = np.array([rectangle(text) for text in plan.texts])
     one, other = shapely.STRtree(words).query(words, predicate="intersects")
@@ -110,6 +111,17 @@ def test_numbers_rise_along_every_seam() -> None:
             assert found == list(range(found[0], found[0] + len(found)))
             cut += len(found)
     assert sorted(numbers.values()) == list(range(1, cut + 1))
+
+
+def test_no_number_is_another_one_upside_down() -> None:
+    upside_down = {"0": "0", "6": "9", "8": "8", "9": "6", ".": "."}
+    words = {words_of(number) for number in range(1, 2000)}
+    assert {word.rstrip(".") for word in words} == {str(number) for number in range(1, 2000)}
+    for word in words:
+        turned = "".join(upside_down.get(letter, "?") for letter in reversed(word))
+        assert turned == word or turned not in words
+    assert words_of(6) == "6."
+    assert sum(word.endswith(".") for word in words) == 2 + (9 - 3) + (36 - 6)  # of one, two and three digits
 
 
 # ---- flaps

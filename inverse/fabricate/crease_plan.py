@@ -10,7 +10,7 @@ import numpy as np
 from inverse import geometry
 from inverse.errors import InputError
 from inverse.fabricate.flaps import Flap, flaps_along
-from inverse.fabricate.labels import LARGEST, labels_along
+from inverse.fabricate.labels import LARGEST, labels_along, words_of
 from inverse.fabricate.pieces import Piece, edges_of, pieces_of, to_scale
 from inverse.fabricate.plan import Line, Plan, Text
 from inverse.pattern import Design, FloatArray
@@ -120,7 +120,7 @@ def _drawn(
         if edge in numbers:
             left, right = pattern.edges_faces[edge].tolist()
             facet, side = (left, ends) if left in sides else (right, ends[::-1])
-            sides[facet].append((side, str(numbers[edge])))
+            sides[facet].append((side, words_of(numbers[edge])))
     lines += [Line("flap", np.array(pair)) for flap in flaps for pair in pairwise(flap.outline)]
     written = (labels_along(piece.polygon(pattern.faces_vertices[f]), own) for f, own in sides.items() if own)
     return _Drawn(lines, [text for texts in written for text in texts])

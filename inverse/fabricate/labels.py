@@ -18,6 +18,14 @@ _OFF = 0.4  # distance of the letters from the edge, of their height
 _AROUND = 0.5  # least distance from other edges and words, of their height; more, so that it is clear which is meant
 _ALONG = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # places along the edge
 _STEPS = 60
+_TURNED = str.maketrans("0689", "0986")  # digits upside down
+
+
+def words_of(number: int) -> str:
+    """The number, with a dot behind it where it would be another one upside down: pieces are turned about."""
+    words = str(number)
+    turned = words[::-1].translate(_TURNED)
+    return f"{words}." if set(words) <= set("0689") and turned != words and turned[0] != "0" else words
 
 
 def labels_along(outline: FloatArray, edges: list[tuple[FloatArray, str]]) -> list[Text]:
