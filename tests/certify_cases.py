@@ -166,3 +166,23 @@ def strip(rho: float, count: int) -> dict[str, Any]:
     points = np.vstack([bottom, bottom + np.array([0, 0, 1])])
     faces = [[k, k + 1, top + k + 1, top + k] for k in range(count)]
     return raw(points, faces, {(k, top + k): "FL" for k in range(1, count)})
+
+
+def four_facets(crossed: bool, sides: int) -> tuple[np.ndarray, list[list[int]]]:
+    """Triangles or quads around a vertex whose opposite sector angles are equal; two of them may cross.
+
+    With edges FL and CFL in turn, equations (6) and (7) and the motion hold for the parallelogram on the sphere that
+    the edges' directions form, and for the one with a corner mirrored in its diagonal, which crosses itself.
+    """
+    diagonal, near, far = 0.9, 0.7, 1.2
+
+    def corner(from_first: float, from_third: float, side: int) -> list[float]:
+        x = (np.cos(from_third) - np.cos(from_first) * np.cos(diagonal)) / np.sin(diagonal)
+        return [x, side * float(np.sqrt(np.sin(from_first) ** 2 - x**2)), np.cos(from_first)]
+
+    third = [np.sin(diagonal), 0, np.cos(diagonal)]
+    ends = np.array([[0, 0, 1], corner(near, far, 1), third, corner(far, near, 1 if crossed else -1)])
+    if sides == 3:
+        return np.vstack([np.zeros(3), ends]), [[0, 1 + k, 1 + (k + 1) % 4] for k in range(4)]
+    faces = [[0, 1 + k, 5 + k, 1 + (k + 1) % 4] for k in range(4)]
+    return np.vstack([np.zeros(3), ends, ends + np.roll(ends, -1, axis=0)]), faces

@@ -13,7 +13,7 @@ from inverse.certify import claims, collisions, loops, measures, mobility
 from inverse.certify.certificate import LIMITS, NOT_MEASURED, Certificate, Check, Crossing, Loop, judge
 from inverse.certify.measures import CFL, FL
 from inverse.certify.motion import Motion
-from inverse.certify.structure import examine, powers_of_two_off
+from inverse.certify.structure import examine
 from inverse.fold_format import FoldFrame, read_frame
 
 __all__ = ["Certificate", "Check", "Loop", "check", "check_frame"]
@@ -55,8 +55,7 @@ def check_frame(frame: FoldFrame) -> Certificate:
         sine, cosine = structure.halves
         found["planarity"] = measures.planarity(mesh, points)
         found["fold_angle"] = measures.fold_angle(mesh, sine, cosine)
-        exact, _ = powers_of_two_off(frame.vertices_coords)
-        found["crossing_design"] = collisions.design_crossings(exact, mesh.facets)
+        found["crossing_design"] = collisions.design_crossings(frame.vertices_coords, mesh.facets)
         developed, folded = structure.signs
         if developed is not None:
             found["developability"] = measures.flatness(mesh, points, structure.types, developed, FL)

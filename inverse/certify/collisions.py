@@ -13,9 +13,9 @@ from inverse.crossing import crossing_facets
 FloatArray = NDArray[np.float64]
 
 RESOLUTION = 0.01  # degrees, to which the first crossing is located
-# In a flat state all layers lie in one plane, and whether they cross is undecidable. The predicates were seen
-# to call facets crossing that merely meet in an edge folded to within 1e-7 degrees of 0 or 180, never at
-# 1e-6. This close to a flat state, the smallest fold that the certificate allows is 9e-5 degrees.
+# In a flat state all layers lie in one plane, and whether they cross is undecidable. Facets that meet in an edge
+# count as crossing if it is folded to within 1e-8 rad, 6e-7 degrees, of 180 degrees. This close to a flat state, the
+# smallest fold that the certificate allows is 9e-5 degrees.
 NEAREST_TO_FLAT = 0.01
 MAX_LISTED_PAIRS = 10
 
