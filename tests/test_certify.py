@@ -164,7 +164,7 @@ def test_a_corner_vertex_off_only_bends_its_facet(tmp_path):
     doc["vertices_coords"][0][2] += 1e-8
     certificate = verdict(doc, tmp_path)
     assert "planarity" in failures(certificate)
-    assert certificate.checks["planarity"].worst == "facet 0"
+    assert certificate.checks["planarity"].worst.startswith("facet 0, ")
     assert not failures(certificate) & {"developability", "flat_foldability", "loop_closure"}
 
 
@@ -218,6 +218,56 @@ def test_a_nearly_closed_fold_certifies_nothing_either(degrees, passes, tmp_path
     certificate = verdict(strip(np.radians(degrees), 2), tmp_path)
     assert certificate.checks["fold_angle"].value == pytest.approx(180 - abs(degrees))
     assert failures(certificate) == (set() if passes else {"fold_angle"})
+
+
+@pytest.mark.parametrize("value", [0.9999, 0.9999999, np.nextafter(1, 0)])
+def test_a_value_that_rounds_to_its_limit_is_told_with_more_digits(value):
+    item = judge("fold_angle", (value, "edge 3-9"))
+    assert not item.passed
+    told = item.sentence.split(", ")[1].split(" degrees")[0]
+    assert 0.999 < float(told) < 1
+    assert len(told) <= 18
+    above = judge("planarity", (max(1e-9 * (2 - value), np.nextafter(1e-9, 1)), "facet 0"))
+    assert not above.passed
+    assert float(above.sentence.split(", ")[1].split(" edge")[0]) > 1e-9
+
+
+def test_the_limit_itself_and_other_values_are_told_with_few_digits():
+    assert "passed, 1 degrees (at least 1 allowed)" in judge("fold_angle", (1.0, "edge 3-9")).sentence
+    assert "passed, 17.1 degrees (at least 1 allowed)" in judge("fold_angle", (17.123456, "edge 3-9")).sentence
+    assert "passed, 0 faults (at most 0 allowed)" in judge("structure", (0.0, "no faults")).sentence
+
+
+@pytest.mark.parametrize("degrees", [0.99999999, 179.00000001])
+def test_a_fold_just_beyond_the_limit_is_told_apart_from_it(degrees, tmp_path):
+    sentence = verdict(strip(np.radians(degrees), 2), tmp_path).checks["fold_angle"].sentence
+    assert "FAILED, 0.99999999" in sentence
+    assert f"folded by {degrees}" in sentence
+
+
+# Small facets beside large ones.
+
+
+SHORT = {"lengths_u": [1e-6, 1, 1], "lengths_v": [1e-6, 1, 1, 1]}
+
+
+@pytest.mark.parametrize("words", [("FL", "FL"), ("CFL", "FL")])
+def test_sound_designs_with_short_edges_are_certified(words, tmp_path):
+    certificate = verdict(fold_file.document(seeds.grid((3, 4), *words, **SHORT)), tmp_path)
+    assert certificate.certified, failures(certificate)
+
+
+@pytest.mark.parametrize("short", [1e-6, 1e-4, 1e-2])
+def test_a_small_facet_is_measured_by_itself(short, tmp_path):
+    doc = fold_file.document(seeds.grid((3, 4), lengths_u=[short, 1, 1], lengths_v=[short, 1, 1, 1]))
+    off_plane = np.cross(*(np.subtract(doc["vertices_coords"][v], doc["vertices_coords"][0]) for v in (1, 5)))
+    # Half a millionth of a degree, which in mean edges is as little as 1e-14.
+    off_plane *= 1e-8 * short / np.linalg.norm(off_plane)
+    doc["vertices_coords"][0] = (np.array(doc["vertices_coords"][0]) + off_plane).tolist()
+    certificate = verdict(doc, tmp_path)
+    assert "planarity" in failures(certificate)
+    assert certificate.checks["planarity"].value == pytest.approx(2.5e-9, rel=0.2)
+    assert certificate.checks["planarity"].worst == "facet 0, by its shortest edge"
 
 
 # Holes.

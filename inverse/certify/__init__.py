@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from inverse.certify import claims, collisions, loops, measures, mobility
+from inverse.certify import claims, coarse, collisions, loops, measures, mobility
 from inverse.certify.certificate import LIMITS, NOT_MEASURED, Certificate, Check, Crossing, Loop, judge
 from inverse.certify.measures import CFL, FL
 from inverse.certify.motion import Motion
@@ -53,14 +53,14 @@ def check_frame(frame: FoldFrame) -> Certificate:
     mesh, points = structure.mesh, structure.points
     if mesh is not None and structure.halves is not None:
         sine, cosine = structure.halves
-        found["planarity"] = measures.planarity(mesh, points)
+        found["planarity"] = measures.planarity(mesh, structure.given)
         found["fold_angle"] = measures.fold_angle(mesh, sine, cosine)
         found["crossing_design"] = collisions.design_crossings(frame.vertices_coords, mesh.facets)
         developed, folded = structure.signs
         if developed is not None:
-            found["developability"] = measures.flatness(mesh, points, structure.types, developed, FL)
+            found["developability"] = measures.flatness(mesh, structure.given, structure.types, developed, FL)
         if folded is not None:
-            found["flat_foldability"] = measures.flatness(mesh, points, structure.types, folded, CFL)
+            found["flat_foldability"] = measures.flatness(mesh, structure.given, structure.types, folded, CFL)
         if structure.typed:
             motion = Motion(mesh, points, structure.types, sine, cosine)
             found["motion_gap"] = motion.gap()
@@ -72,7 +72,7 @@ def check_frame(frame: FoldFrame) -> Certificate:
                 free_range, crossings = collisions.free_range(motion)
 
     found["structure"] = float(len(faults)), faults[0] if faults else "no faults"
-    checks = {name: judge(name, measured) for name, measured in found.items()}
+    checks = {name: judge(name, measured) for name, measured in coarse.explained(found, structure).items()}
     return Certificate(
         certified=all(item.passed for item in checks.values()),
         checks=checks,

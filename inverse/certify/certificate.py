@@ -10,7 +10,7 @@ from typing import Any
 # below its limit, but for the fold angle, which must reach it.
 LIMITS: dict[str, tuple[float, str]] = {
     "structure": (0.0, "faults"),
-    "planarity": (1e-9, "mean edge lengths"),
+    "planarity": (1e-9, "edge lengths"),
     "developability": (1e-9, "rad"),
     "flat_foldability": (1e-9, "rad"),
     "fold_angle": (1.0, "degrees"),
@@ -54,9 +54,18 @@ class Check:
             return f"{self.name}: {verdict}, {self.worst}"
         bound = "at least" if self.name in AT_LEAST else "at most"
         return (
-            f"{self.name}: {verdict}, {self.value:.3g} {self.unit}"
+            f"{self.name}: {verdict}, {told_apart(self.value, self.limit)} {self.unit}"
             f" ({bound} {self.limit:g} allowed), worst: {self.worst}"
         )
+
+
+def told_apart(value: float, limit: float) -> str:
+    """A value with three digits, or as many more as show that it is not its limit."""
+    for digits in range(3, 17):
+        text = f"{value:.{digits}g}"
+        if float(text) != limit or value == limit:
+            return text
+    return repr(value)
 
 
 def judge(name: str, measured: Measured) -> Check:

@@ -1,11 +1,15 @@
-"""What is measured on the design state itself: planes, sector angles, fold angles."""
+"""What is measured on the design state itself: planes, sector angles, fold angles.
+
+Everything is computed from differences of vertices within a facet. These are as good as the vertices themselves,
+however far from the origin and however small beside the design: differences of close numbers lose nothing.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inverse.certify.certificate import Measured
+from inverse.certify.certificate import LIMITS, Measured, told_apart
 from inverse.certify.mesh import IntArray, Mesh
 
 FloatArray = NDArray[np.float64]
@@ -15,20 +19,35 @@ UNKNOWN, BOUNDARY, FL, CFL = -1, 0, 1, 2
 
 
 def planarity(mesh: Mesh, points: FloatArray) -> Measured:
-    """Largest distance of a vertex from the best-fit plane of its facet, in mean edge lengths of the mesh."""
-    a, b = points[mesh.edges].transpose(1, 0, 2)
-    mean_edge = float(np.linalg.norm(b - a, axis=1).mean())
+    """Largest distance of a vertex from the best-fit plane of its facet, in edge lengths.
+
+    It is told in mean edges of the mesh or, where that is shorter, in the facet's own shortest edge: a facet that is
+    small beside the others must be flat in itself.
+    """
+    lengths = edge_lengths(mesh, points)
+    mean_edge = float(lengths.mean())
+    shortest = np.minimum.reduceat(lengths[mesh.edge_of], mesh.starts)
     worst, where = 0.0, "facet 0"
     sides = np.diff(np.append(mesh.starts, len(mesh.tail)))
     for count in np.unique(sides[sides > 3]):
         facets = np.flatnonzero(sides == count)
         polygons = points[mesh.tail[mesh.starts[facets][:, None] + np.arange(count)]]
-        polygons = polygons - polygons.mean(axis=1, keepdims=True)
+        polygons = polygons - polygons[:, :1]
+        polygons -= polygons.mean(axis=1, keepdims=True)
         normals = np.linalg.svd(polygons)[2][:, 2]
-        distance = np.abs(np.einsum("fsk,fk->fs", polygons, normals)).max(axis=1) / mean_edge
+        distance = np.abs(np.einsum("fsk,fk->fs", polygons, normals)).max(axis=1)
+        distance /= np.minimum(mean_edge, shortest[facets])
         if distance.max() > worst:
-            worst, where = float(distance.max()), f"facet {facets[distance.argmax()]}"
+            facet = facets[distance.argmax()]
+            by = "its shortest edge" if shortest[facet] < mean_edge else "the mean edge"
+            worst, where = float(distance.max()), f"facet {facet}, by {by}"
     return worst, where
+
+
+def edge_lengths(mesh: Mesh, points: FloatArray) -> FloatArray:
+    """(E,) length of every edge."""
+    a, b = points[mesh.edges].transpose(1, 0, 2)
+    return np.asarray(np.linalg.norm(b - a, axis=1))
 
 
 def sector_angles(mesh: Mesh, points: FloatArray) -> FloatArray:
@@ -67,13 +86,16 @@ def fold_halves(mesh: Mesh, points: FloatArray) -> tuple[FloatArray, FloatArray]
     sheet is flat: half their sum has length |sin(rho/2)| and half their difference cos(rho/2). It is a valley
     where the right-hand one rises over the left-hand facet.
     """
-    sides = np.diff(np.append(mesh.starts, len(mesh.tail)))
-    centres = np.add.reduceat(points[mesh.tail], mesh.starts, axis=0) / sides[:, None]
     a, b = points[mesh.edges[mesh.inner]].transpose(1, 0, 2)
     along = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    following = np.empty_like(mesh.previous)
+    following[mesh.previous] = np.arange(len(following))
     arms = []
-    for side in mesh.sides[mesh.inner].T:
-        arm = centres[side] - a
+    left_hand = mesh.half_edges[mesh.inner]
+    for side in (left_hand, mesh.twin[left_hand]):
+        # The facet's edges at both ends of this one lead into it.
+        arm = points[mesh.head[following[side]]] - points[mesh.head[side]]
+        arm += points[mesh.tail[mesh.previous[side]]] - points[mesh.tail[side]]
         arm -= np.einsum("ij,ij->i", arm, along)[:, None] * along
         arms.append(arm / np.linalg.norm(arm, axis=1, keepdims=True))
     left, right = arms
@@ -91,4 +113,6 @@ def fold_angle(mesh: Mesh, sine: FloatArray, cosine: FloatArray) -> Measured:
     if not len(margin):
         return None, "no interior edges"
     worst = int(margin.argmin())
-    return float(margin[worst]), f"{mesh.name(mesh.inner[worst])}, folded by {rho[worst]:.3g} degrees"
+    limit, _ = LIMITS["fold_angle"]
+    folded_by = told_apart(rho[worst], limit if rho[worst] < 90 else 180 - limit)
+    return float(margin[worst]), f"{mesh.name(mesh.inner[worst])}, folded by {folded_by} degrees"

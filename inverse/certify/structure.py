@@ -28,6 +28,8 @@ class Structure:
         faults: sentences, empty for a sound file.
         points: (V, 3) vertices, centred and scaled to a bounding-box diagonal of 1.
         unit: the length in the file that became 1.
+        given: (V, 3) the file's vertices over a power of two, which loses no digit: what is measured on single
+            facets is measured on these.
         mesh: None if the facets form no surface in one piece.
         types: (E,) edge types, from the file, ``UNKNOWN`` where it gives none that can be.
         file_edge: (E,) the file's number of each edge, -1 if it is missing there.
@@ -41,6 +43,7 @@ class Structure:
     faults: list[str]
     points: FloatArray
     unit: float
+    given: FloatArray
     mesh: Mesh | None
     types: IntArray
     file_edge: IntArray
@@ -54,11 +57,14 @@ def examine(frame: FoldFrame) -> Structure:
     nothing = np.empty(0, np.int64)
     mesh, faults = build_mesh(frame.faces_vertices, len(frame.vertices_coords))
     used = np.unique([v for facet in frame.faces_vertices for v in facet]).astype(np.int64)
-    points, unit = normalized(frame.vertices_coords, used)
+    given, exponent = powers_of_two_off(frame.vertices_coords)
+    points, size = normalized(given, used)
+    with np.errstate(over="ignore"):
+        unit = float(np.ldexp(size, exponent))
     if unit == 0:
         faults.append("all vertices coincide")
     if mesh is None:
-        return Structure(faults, points, unit, None, nothing, nothing, None, False, (None, None))
+        return Structure(faults, points, unit, given, None, nothing, nothing, None, False, (None, None))
 
     if mesh.n_holes is None:
         faults.append("the surface is no disk, with or without holes")
@@ -81,29 +87,29 @@ def examine(frame: FoldFrame) -> Structure:
         faults += _coincidences(points, used)
         found = _shape_faults(mesh, points)
         faults += found
-        halves = None if found else fold_halves(mesh, points)
-    return Structure(faults, points, unit, mesh, types, file_edge, halves, typed, signs)
+        halves = None if found else fold_halves(mesh, given)
+    return Structure(faults, points, unit, given, mesh, types, file_edge, halves, typed, signs)
 
 
-def normalized(vertices: FloatArray, used: IntArray) -> tuple[FloatArray, float]:
-    """Vertices (V, 3) with the bounding box of the used ones centred at 0 and its diagonal scaled to 1.
+def normalized(points: FloatArray, used: IntArray) -> tuple[FloatArray, float]:
+    """Points (V, 3) with the bounding box of the used ones centred at 0 and its diagonal scaled to 1.
 
     Returns:
-        The vertices, and the diagonal before; 0, and nothing scaled, if all coincide.
+        The points, and the diagonal before; 0, and nothing scaled, if all coincide.
     """
-    # First by a power of two, which is exact: numbers near the ends of the floating-point range are allowed.
-    points, exponent = powers_of_two_off(vertices)
     box = points[used]
     low, high = box.min(axis=0, initial=np.inf), box.max(axis=0, initial=-np.inf)
     diagonal = float(np.linalg.norm(high - low)) if len(box) else 0.0
     if diagonal == 0:
         return points, 0.0
-    with np.errstate(over="ignore"):
-        return (points - (low + high) / 2) / diagonal, float(np.ldexp(diagonal, exponent))
+    return (points - (low + high) / 2) / diagonal, diagonal
 
 
 def powers_of_two_off(vertices: FloatArray) -> tuple[FloatArray, int]:
-    """Vertices (V, 3) over the power of two that brings the largest coordinate below 1, and its exponent."""
+    """Vertices (V, 3) over the power of two that brings the largest coordinate below 1, and its exponent.
+
+    Numbers near the ends of the floating-point range are allowed so.
+    """
     _, exponent = np.frexp(np.abs(vertices).max(initial=0.0))
     return np.asarray(np.ldexp(vertices, -exponent)), int(exponent)
 
