@@ -119,7 +119,6 @@ def _corners_cross(points: FloatArray, corners: IntArray) -> BoolArray:
 
     vertex, a, b, c, d = (np.ascontiguousarray(points[column]) for column in corners.T)
     orient = igl.predicates.orient3d
-    # Most corners lie on one side of the other's plane.
     cda, cdb = (np.ravel(orient(c, d, x, vertex)) for x in (a, b))
     abc, abd = (np.ravel(orient(a, b, x, vertex)) for x in (c, d))
     meet = np.zeros(len(corners), bool)
@@ -128,22 +127,26 @@ def _corners_cross(points: FloatArray, corners: IntArray) -> BoolArray:
     # Where only two vanish, one corner has no area.
     in_plane = (cda == 0) & (cdb == 0) & (abc == 0) & (abd == 0)
     meet &= in_plane | (((cda != 0) | (cdb != 0)) & ((abc != 0) | (abd != 0)))
-    for k in np.flatnonzero(in_plane):
-        meet[k] = _flat_corners_cross(vertex[k], a[k], b[k], c[k], d[k])
+    meet[in_plane] = _flat_corners_cross(*(x[in_plane] for x in (vertex, a, b, c, d)))
     return meet
 
 
-def _flat_corners_cross(vertex: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> bool:
-    """The same for one pair of corners in one plane: an edge of one lies within the other."""
+def _flat_corners_cross(vertex: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
+    """The same for corners in one plane, each (N, 3): an edge of one lies within the other."""
     import igl.predicates
 
-    kept = np.sort(np.argsort(np.abs(np.cross(a - vertex, b - vertex)))[:2])  # the plane is not seen edge-on then
+    # Seen along the axis nearest to the plane's normal; the signs of tetrahedra are then those of triangles.
+    axis = np.abs(np.cross(a - vertex, b - vertex)).argmax(axis=1)[:, None]
+    apex = np.zeros_like(vertex)
+    for flat in (vertex, a, b, c, d):
+        np.put_along_axis(flat, axis, 0.0, axis=1)
+    np.put_along_axis(apex, axis, 1.0, axis=1)
 
-    def turn(p: FloatArray, q: FloatArray) -> int:
-        return int(igl.predicates.orient2d(*(np.ascontiguousarray(x[kept]) for x in (vertex, p, q))).value)
+    def turn(p: FloatArray, q: FloatArray) -> IntArray:
+        return np.ravel(igl.predicates.orient3d(vertex, p, q, apex))
 
-    def within(x: FloatArray, p: FloatArray, q: FloatArray) -> bool:
+    def within(x: FloatArray, p: FloatArray, q: FloatArray) -> BoolArray:
         side = turn(p, q)
-        return side != 0 and side * turn(p, x) >= 0 and side * turn(x, q) >= 0
+        return np.asarray((side != 0) & (side * turn(p, x) >= 0) & (side * turn(x, q) >= 0))
 
-    return within(c, a, b) or within(d, a, b) or within(a, c, d) or within(b, c, d)
+    return within(c, a, b) | within(d, a, b) | within(a, c, d) | within(b, c, d)
