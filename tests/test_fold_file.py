@@ -177,9 +177,9 @@ def test_what_is_refused(key: str, value: Any, match: str, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("", "not JSON"),
+        ("", "the file is empty"),
         ("{", "design.fold:1:2: this is not JSON"),
-        ("[]", "a FOLD file is a JSON object"),
+        ("[]", "the file must hold a JSON object"),
         ("[" * 100_000, "nested too deeply"),
         ('{"vertices_coords": ' + "[" * 100_000 + "}", "nested too deeply"),
         ("null", "JSON object"),
@@ -194,10 +194,10 @@ def test_text_that_is_no_document(text: str, match: str, tmp_path: Path) -> None
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no such file"):
         fold_file.read(tmp_path / "missing.fold")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="this is a folder"):
         fold_file.read(tmp_path)
     (tmp_path / "bytes.fold").write_bytes(b"\xff\xfe{}")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match=r"bytes\.fold:1:1: the byte 0xff is not valid UTF-8"):
         fold_file.read(tmp_path / "bytes.fold")
 
 
