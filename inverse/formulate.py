@@ -11,7 +11,7 @@ import numpy as np
 from inverse import anchors, constraints, cylinder_loop, fold_file, objectives, placement, seeds, tube_fit
 from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
-from inverse.limits import SMALLEST, check_coordinates
+from inverse.limits import check_coordinates, check_extent
 from inverse.model import Constraint, DesignModel, Objective
 from inverse.objectives import Goal
 from inverse.packed import Measure, Packed
@@ -96,21 +96,14 @@ def build_target(loaded: Loaded) -> Target:
         InputError: with the place in the specification; a surface that reaches too far is refused here, whatever it is.
     """
     target = _target(loaded)
-    _within(loaded, ("target",), lambda: _check_reach(target.triangles()[0]))
+
+    def check() -> None:
+        points, _ = target.triangles()
+        check_coordinates(points, None)
+        check_extent(points, "the target", None)
+
+    _within(loaded, ("target",), check)
     return target
-
-
-def _check_reach(points: FloatArray) -> None:
-    """Refuse a surface that is too large, too small, or too far away for its size."""
-    check_coordinates(points, None)
-    size, away = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
-    if size < SMALLEST:
-        raise InputError(f"the target is {size:g} wide: at least {SMALLEST:g} is needed", hint="Choose a smaller unit.")
-    if size < 1e-9 * away:
-        raise InputError(
-            f"the target is {size:g} wide, but {away:g} away from the origin: numbers have 15 digits for both",
-            hint="Move everything nearer to the origin.",
-        )
 
 
 def _target(loaded: Loaded) -> Target:

@@ -29,3 +29,25 @@ def check_coordinates(points: NDArray[np.float64], where: str | None) -> None:
         k = int(np.argmax(np.where(wrong, np.nan_to_num(far, nan=np.inf), 0.0)))
         what = f"coordinates up to {FARTHEST:g} are allowed" if np.isfinite(points[k]).all() else "it must be finite"
         raise InputError(f"vertex {k} is at {points[k].tolist()}: {what}", where=where)
+
+
+def check_extent(points: NDArray[np.float64], what: str, where: str | None) -> None:
+    """Refuse what is too small, or too far away for its size.
+
+    Args:
+        points: (N, 3), finite.
+        what: what they are, for the message.
+        where: the file.
+
+    Raises:
+        InputError: the points coincide within the digits that numbers have.
+    """
+    size, away = float(np.ptp(points, axis=0).max(initial=0.0)), float(np.abs(points).max(initial=0.0))
+    if size == 0 or size < 1e-12 * away:
+        raise InputError(f"all vertices of {what} coincide", where=where)
+    if size < SMALLEST:
+        raise InputError(f"{what} is {size:g} wide: at least {SMALLEST:g} is needed", where=where,
+                         hint="Choose a smaller unit.")  # fmt: skip
+    if size < 1e-9 * away:
+        raise InputError(f"{what} is {size:g} wide, but {away:g} away from the origin: numbers have too few digits",
+                         where=where, hint="Move everything nearer to the origin.")  # fmt: skip

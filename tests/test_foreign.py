@@ -184,7 +184,7 @@ REFUSED: dict[str, tuple[object, str]] = {
     "huge": ({**SQUARES, "vertices_coords": [[1e60, 0]] + [[0, 1]] * 5}, "vertex 0 is at"),
     "four coordinates": ({**SQUARES, "vertices_coords": [[0, 0, 0, 0]] * 6}, "rows of 3"),
     "mixed coordinates": ({**SQUARES, "vertices_coords": [[0, 0]] * 5 + [[1, 1, 1]]}, "rows of 2"),
-    "one point": ({**SQUARES, "vertices_coords": [[3, 3]] * 6}, "all vertices coincide"),
+    "one point": ({**SQUARES, "vertices_coords": [[3, 3]] * 6}, "all vertices of the pattern coincide"),
     "one line": ({**SQUARES, "vertices_coords": [[k, k] for k in range(6)]}, "on one line"),
     "bad index": (edge(SQUARES, [0, 6]), "names a vertex that is not there"),
     "loop": (edge(SQUARES, [2, 2]), "joins vertex 2 to itself"),

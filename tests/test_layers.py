@@ -27,7 +27,7 @@ ARROWS: dict[str, set[str]] = {
     "holes": {"pattern"},
     "strips": {"pattern"},
     "folding": {"pattern", "geometry"},
-    "fold_file": {"errors", "files", "fold_format", "pattern", "geometry", "holes", "folding"},
+    "fold_file": {"errors", "limits", "files", "fold_format", "pattern", "geometry", "holes", "folding"},
     "seeds": {"errors", "crossing", "pattern", "geometry"},
     # A second opinion: nothing that the optimizer computes with.
     "certify": {"errors", "crossing", "fold_format"},

@@ -11,7 +11,7 @@ import numpy as np
 
 from inverse.errors import InputError
 from inverse.fold_format import EDGE_TYPES, array_of, edges_of, facets_of, read_document, words_of
-from inverse.limits import SMALLEST, check_coordinates
+from inverse.limits import check_coordinates, check_extent
 from inverse.mesh_files import read_obj
 from inverse.pattern import FloatArray
 
@@ -156,8 +156,5 @@ def _assignments(frame: dict[str, Any], count: int, where: str) -> list[str]:
 
 
 def _check_coordinates(mesh: ForeignMesh, path: Path) -> None:
-    points = mesh.vertices_coords
-    check_coordinates(points, str(path))
-    size = float(np.abs(points).max(initial=0.0))
-    if float(np.ptp(points, axis=0).max(initial=0.0)) < max(SMALLEST, 1e-12 * size):
-        raise InputError("all vertices coincide", where=str(path))
+    check_coordinates(mesh.vertices_coords, str(path))
+    check_extent(mesh.vertices_coords, "the pattern", str(path))
