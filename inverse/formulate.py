@@ -101,6 +101,12 @@ def build_target(loaded: Loaded) -> Target:
         points, _ = target.triangles()
         check_coordinates(points, None)
         check_extent(points, "the target", None)
+        along, across, _ = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        if across < 1e-6 * along:
+            raise InputError(
+                f"the target is a line: {along / max(across, 1e-300):.2g} times as long as wide",
+                hint="Look for a wrong number in it: up to 1e6 is allowed.",
+            )
 
     _within(loaded, ("target",), check)
     return target

@@ -45,7 +45,7 @@ def test_every_reader_refuses_what_is_no_file(name: str, tmp_path: Path) -> None
         READERS[name](path)
     with path.open("wb") as file:
         file.truncate(10**12)  # takes no space
-    with pytest.raises(InputError, match="the file is larger than 10+ MB"):
+    with pytest.raises(InputError, match=r"the file is larger than 10+ MB"):
         READERS[name](path)
     long = tmp_path / ("a" * 300 + path.suffix)
     with pytest.raises(InputError, match="the file cannot be read: File name too long"):
