@@ -162,7 +162,7 @@ REFUSED = {
     "index below 0": ("a.ply", binary_ply([[0, 1, 2, 3], [0, 1, -1]]), "facet 2 names vertex -1"),
     "cut off": ("a.ply", binary_ply([[0, 1, 2]] * 3)[:-3], "ends before all that its header announces"),
     "cut off in words": ("a.ply", ply("4 0 1 2\n"), "ends before all"),
-    "count too large": ("a.ply", binary_ply([[0, 1, 2]], count=400_000), "ends before all"),
+    "count too large": ("a.ply", binary_ply([[0, 1, 2]], count=150_000), "ends before all"),
     "count absurd": ("a.ply", binary_ply([[0, 1, 2]], count=10**11), f"100000000000 facets: up to {MAX_FACETS}"),
     "sides below 0": ("a.ply", ply("-4 0 1 2\n"), "a facet has -4 sides"),
     "words": ("a.ply", ply("4 0 1 two 3\n"), "is no number"),
@@ -199,6 +199,8 @@ REFUSED = {
     "glb packed": ("a.glb", glb({**gltf(), "extensionsRequired": ["KHR_draco_mesh_compression"]}), "KHR_draco"),
     "gltf elsewhere": ("a.gltf", json.dumps({**gltf(), "buffers": [{"byteLength": 72, "uri": "b.bin"}]}).encode(),
                        "b.bin: there is no such file"),
+    "obj corners": ("a.obj", b"v 0 0 0\n" + (b"f" + b" 1" * 900 + b"\n") * 1000, "more than 800000 sides together"),
+    "obj vertices": ("a.obj", b"v 0 0 0\n" * 700_000, "600001 vertices: up to 600000 are read"),
     "obj sides": ("a.obj", b"v 0 0 0\nf" + b" 1" * 9_000_000, f"has 9000000 sides: 3 to {MAX_SIDES}"),
 }  # fmt: skip
 

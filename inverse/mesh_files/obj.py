@@ -8,7 +8,7 @@ import numpy as np
 
 from inverse.errors import InputError
 from inverse.files import read_bytes
-from inverse.mesh_files.polygons import MAX_BYTES, MAX_FACETS, Polygons, check_counts, check_sides, checked
+from inverse.mesh_files.polygons import MAX_BYTES, Polygons, check_corners, check_counts, check_sides, checked
 
 
 def read_obj(path: Path) -> Polygons:
@@ -24,6 +24,7 @@ def read_obj(path: Path) -> Polygons:
     vertices: list[list[float]] = []
     facets: list[list[int]] = []
     lines: list[int] = []
+    n_corners = 0
     for number, line in enumerate(text.split("\n"), 1):
         words = line.split("#", 1)[0].split()
         where = f"{path}:{number}"
@@ -32,11 +33,11 @@ def read_obj(path: Path) -> Polygons:
         elif words[:1] == ["f"]:
             facets.append(_facet(words[1:], len(vertices), line, where))
             lines.append(number)
-            if len(facets) > MAX_FACETS:
-                break
+            n_corners += len(facets[-1])
+            check_corners(n_corners, str(path))
+        check_counts(len(vertices), len(facets), str(path))
     if not facets:
         raise InputError("the file has no facets (lines `f ...`)", where=str(path))
-    check_counts(len(vertices), len(facets), str(path))
     for facet, number in zip(facets, lines, strict=True):
         if max(facet) >= len(vertices):
             raise InputError(

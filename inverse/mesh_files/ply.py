@@ -13,7 +13,7 @@ import numpy as np
 
 from inverse.errors import InputError
 from inverse.files import read_bytes
-from inverse.mesh_files.polygons import MAX_BYTES, IntArray, Polygons, check_counts, check_sides, checked
+from inverse.mesh_files.polygons import MAX_BYTES, IntArray, Polygons, check_corners, check_counts, check_sides, checked
 
 _KINDS = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
@@ -181,7 +181,11 @@ def _columns(
     rows = [_row(numbers, element, where)] if element.count else []
     if rows and (regular := _regular(numbers, element, [len(cells) for cells in rows[0]], start)) is not None:
         return {}, regular
-    rows += [_row(numbers, element, where) for _ in range(len(rows), element.count)]
+    cells = 0
+    for _ in range(len(rows), element.count):
+        rows.append(_row(numbers, element, where))
+        cells += sum(len(cell) for one, cell in zip(element.properties, rows[-1], strict=True) if one.counted_by)
+        check_corners(cells, where)
     return {}, {
         one.name: (
             np.array([len(row[k]) for row in rows], np.int64),

@@ -15,7 +15,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 MAX_BYTES = 100_000_000
-MAX_FACETS = 500_000
+MAX_FACETS = 200_000
+MAX_CORNERS = 4 * MAX_FACETS
 MAX_SIDES = 1_000
 SIMPLER = "Give a simpler or a coarser mesh."
 
@@ -56,6 +57,16 @@ def check_sides(sides: int, where: str) -> None:
         raise InputError(f"a facet has {sides} sides: 3 to {MAX_SIDES} are allowed", where=where, hint=SIMPLER)
 
 
+def check_corners(corners: int, where: str) -> None:
+    """Refuse polygons that together have too many sides.
+
+    Raises:
+        InputError: more than :data:`MAX_CORNERS`.
+    """
+    if corners > MAX_CORNERS:
+        raise InputError(f"the facets have more than {MAX_CORNERS} sides together", where=where, hint=SIMPLER)
+
+
 def checked(vertices: FloatArray, sizes: IntArray, corners: IntArray, path: Path) -> Polygons:
     """A mesh whose facets name vertices that are there, whose used vertices are finite and not absurdly far away.
 
@@ -72,6 +83,7 @@ def checked(vertices: FloatArray, sizes: IntArray, corners: IntArray, path: Path
     if not len(sizes):
         raise InputError("the mesh has no facets", where=where)
     check_counts(len(vertices), len(sizes), where)
+    check_corners(len(corners), where)
     for sides in (int(sizes.min()), int(sizes.max())):
         check_sides(sides, where)
     wrong = (corners < 0) | (corners >= len(vertices))
