@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from inverse.limits import FARTHEST, SMALLEST
 from inverse.words import did_you_mean
 
 
@@ -148,9 +149,15 @@ def _closed(line: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, 
     return _moving(line)
 
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[Number, Field(gt=0)]
-Integer = Annotated[int, Field(strict=True)]
+def _not_tiny(value: float) -> float:
+    if value < SMALLEST:
+        raise refusal(f"{value:g} is too small: it must be at least {SMALLEST:g}")
+    return value
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-FARTHEST, le=FARTHEST)]
+Positive = Annotated[Number, Field(gt=0), AfterValidator(_not_tiny)]
+Integer = Annotated[int, Field(strict=True, ge=-1_000_000_000, le=1_000_000_000)]
 Switch = Annotated[bool, Field(strict=True)]
 FileName = Annotated[str, Field(min_length=1)]
 Point = Annotated[tuple[Number, Number, Number], row("x", "y", "z")]

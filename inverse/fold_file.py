@@ -14,6 +14,7 @@ from inverse.errors import InputError
 from inverse.files import write_atomically
 from inverse.fold_format import FoldFrame, read_frame
 from inverse.holes import hole_strips
+from inverse.limits import check_extent
 from inverse.pattern import EDGE_TYPE_NAMES, B, Design, FloatArray, IntArray, Pattern
 
 
@@ -108,8 +109,25 @@ def _design(frame: FoldFrame) -> Design:
     pattern = Pattern.from_faces(frame.faces_vertices, len(frame.vertices_coords), types)
     if (grid := frame.document.get("bdffpq:grid")) is not None:
         pattern = replace(pattern, grid=_grid(grid, pattern))
+    points = frame.vertices_coords
+    check_extent(points[pattern.corners[:, 2]], "the design", None)
+    _check_areas(pattern, points)
     unit, title = frame.document.get("frame_unit", "unit"), frame.document.get("file_title", "design")
-    return Design(pattern, frame.vertices_coords, str(unit), str(title))
+    return Design(pattern, points, str(unit), str(title))
+
+
+def _check_areas(pattern: Pattern, points: FloatArray) -> None:
+    """Refuse facets without a plane: nothing can be folded or drawn with them."""
+    face, _, vertex, following = pattern.corners.T
+    n_faces = len(pattern.faces_vertices)
+    middles = geometry.facet_centroids(pattern, points)[face]
+    doubled, reach = np.zeros((n_faces, 3)), np.zeros(n_faces)
+    np.add.at(doubled, face, np.cross(points[vertex] - middles, points[following] - middles))
+    np.maximum.at(reach, face, np.linalg.norm(points[vertex] - middles, axis=1))
+    flat = ~(np.linalg.norm(doubled, axis=1) > 1e-12 * reach**2)
+    if flat.any():
+        f = int(np.argmax(flat))
+        raise InputError(f"facet {f} with vertices {list(pattern.faces_vertices[f])[:8]} has no area")
 
 
 def _grid(grid: Any, pattern: Pattern) -> tuple[int, int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inverse.errors import InputError
+from inverse.files import json_object, read_text
+from inverse.limits import check_coordinates
 
 ASSIGNMENTS = ("M", "V", "B")
 EDGE_TYPES = ("B", "FL", "CFL")
+MAX_BYTES = 100_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,23 +57,7 @@ def read_document(path: Path) -> dict[str, Any]:
     Raises:
         InputError: missing or unreadable file, or not a JSON object; the message names the file.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=str(path)) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"the file cannot be read: {error}", where=str(path)) from None
-    try:
-        document = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise InputError(f"this is not JSON: {error.msg}", where=f"{path}:{error.lineno}:{error.colno}") from None
-    except ValueError as error:  # a number with thousands of digits
-        raise InputError(f"this is not JSON that can be read: {error}", where=str(path)) from None
-    except RecursionError:
-        raise InputError("the JSON is nested too deeply", where=str(path)) from None
-    if not isinstance(document, dict):
-        raise InputError("a FOLD file is a JSON object", where=str(path))
-    return document
+    return json_object(read_text(path, MAX_BYTES), str(path))
 
 
 def frame_of(document: dict[str, Any], where: str = "design") -> FoldFrame:
@@ -85,6 +71,7 @@ def frame_of(document: dict[str, Any], where: str = "design") -> FoldFrame:
         InputError: a key missing or of the wrong shape.
     """
     coords = array_of(document, "vertices_coords", np.float64, 3, where)
+    check_coordinates(coords, where)
     n_vertices = len(coords)
     edges = edges_of(document, n_vertices, where)
     n_edges = len(edges)
@@ -115,7 +102,7 @@ def facets_of(document: dict[str, Any], n_vertices: int, where: str) -> tuple[tu
     for f, face in enumerate(faces):
         if not isinstance(face, list) or not all(_is_index(v, n_vertices) for v in face):
             raise InputError(
-                f"faces_vertices[{f}] is {face!r}: vertex numbers below {n_vertices} are needed", where=where
+                f"faces_vertices[{f}] is {str(face)[:60]}: vertex numbers below {n_vertices} are needed", where=where
             )
     return tuple(tuple(face) for face in faces)
 
@@ -177,5 +164,5 @@ def words_of(document: dict[str, Any], key: str, allowed: tuple[str, ...], count
         raise InputError(f"{key} must be a list with one word for each of the {count} edges", where=where)
     for k, word in enumerate(value):
         if word not in allowed:
-            raise InputError(f"{key}[{k}] is {word!r}: allowed are {', '.join(allowed)}", where=where)
+            raise InputError(f"{key}[{k}] is {repr(word)[:60]}: allowed are {', '.join(allowed)}", where=where)
     return tuple(value)

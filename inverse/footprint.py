@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from inverse import geometry
 from inverse.folding import fold
@@ -48,7 +48,10 @@ def box_axes(points: FloatArray) -> FloatArray:
 
 
 def _rectangle(points: FloatArray) -> FloatArray:
-    across = ConvexHull(points).equations[:, :2]
+    try:
+        across = ConvexHull(points).equations[:, :2]
+    except QhullError:  # they lie on a line, within rounding
+        return np.asarray(np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2])
     along = np.column_stack([-across[:, 1], across[:, 0]])
     best = np.argmin(np.ptp(points @ across.T, axis=0) * np.ptp(points @ along.T, axis=0))
     return np.array([along[best], across[best]])

@@ -11,6 +11,7 @@ import numpy as np
 from inverse import anchors, constraints, cylinder_loop, fold_file, objectives, placement, seeds, tube_fit
 from inverse.anchors import PolylineAnchor
 from inverse.errors import InputError
+from inverse.limits import check_coordinates, check_extent
 from inverse.model import Constraint, DesignModel, Objective
 from inverse.objectives import Goal
 from inverse.packed import Measure, Packed
@@ -89,7 +90,29 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
 
 
 def build_target(loaded: Loaded) -> Target:
-    """The target surface of a specification."""
+    """The target surface of a specification.
+
+    Raises:
+        InputError: with the place in the specification; a surface that reaches too far is refused here, whatever it is.
+    """
+    target = _target(loaded)
+
+    def check() -> None:
+        points, _ = target.triangles()
+        check_coordinates(points, None)
+        check_extent(points, "the target", None)
+        along, across, _ = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        if across < 1e-6 * along:
+            raise InputError(
+                f"the target is a line: {along / max(across, 1e-300):.2g} times as long as wide",
+                hint="Look for a wrong number in it: up to 1e6 is allowed.",
+            )
+
+    _within(loaded, ("target",), check)
+    return target
+
+
+def _target(loaded: Loaded) -> Target:
     keys = loaded.specification.target
     if isinstance(keys, HeightKeys):
         from inverse.target.parametric import HeightTarget

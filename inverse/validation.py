@@ -53,6 +53,9 @@ def validate(model: type[M], data: Any, source: Source) -> M:
         return model.model_validate(data)
     except ValidationError as error:
         faults = error.errors(include_url=False)
+    # Wrong entries of a list are not counted as entries: it is they that are wrong, not the list's length.
+    within = {fault["loc"][:k] for fault in faults for k in range(len(fault["loc"]))}
+    faults = [fault for fault in faults if fault["type"] != "too_short" or fault["loc"] not in within]
     # What is missing has no place in the file and may just be misspelt, so it comes last.
     fault = min(faults, key=lambda fault: (fault["type"] == "missing", source.rank(_path(fault))))
     raise _error(fault, len(faults) - 1, model, source)

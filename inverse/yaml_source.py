@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from inverse.errors import InputError
-from inverse.words import did_you_mean
+from inverse.files import read_text
 from inverse.yaml_data import LINE_BREAK, MAX_DEPTH, Fail, KeyPath, Place, Position, parse
 
 MAX_BYTES = 10_000_000
@@ -104,7 +104,7 @@ def read(path: Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], Sou
         InputError: the file is missing or unreadable, no valid YAML, or no mapping; a key is given twice;
             there are aliases or tags; an override does not fit.
     """
-    text = _read_text(path)
+    text = read_text(path, MAX_BYTES)
     source = Source(str(path), text)
     data = parse(text, source._error_at, source._places)
     if data is None:
@@ -137,30 +137,6 @@ def from_mapping(mapping: Mapping[str, Any], name: str) -> tuple[dict[str, Any],
 def dotted(path: KeyPath) -> str:
     """``constraints.anchors.0.every``."""
     return ".".join(map(str, path))
-
-
-def _read_text(path: Path) -> str:
-    where = str(path)
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        siblings = [p.name for p in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
-        raise InputError(f"there is no such file.{did_you_mean(path.name, siblings)}", where=where) from None
-    except IsADirectoryError:
-        raise InputError("this is a folder, not a file", where=where) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"the file cannot be read: {reason}", where=where) from None
-    if len(content) > MAX_BYTES:
-        raise InputError(f"the file is larger than {MAX_BYTES // 10**6} MB: this is no specification", where=where)
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        column = len(content[: error.start].rsplit(b"\n", 1)[-1].decode("utf-8", "replace")) + 1
-        message = f"the byte 0x{content[error.start]:02x} is not valid UTF-8"
-        raise InputError(message, where=f"{where}:{line}:{column}", hint="Save the file as UTF-8.") from None
 
 
 def _plain(value: Any, path: KeyPath, source: Source) -> Any:

@@ -177,9 +177,9 @@ def test_what_is_refused(key: str, value: Any, match: str, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("", "not JSON"),
+        ("", "the file is empty"),
         ("{", "design.fold:1:2: this is not JSON"),
-        ("[]", "a FOLD file is a JSON object"),
+        ("[]", "the file must hold a JSON object"),
         ("[" * 100_000, "nested too deeply"),
         ('{"vertices_coords": ' + "[" * 100_000 + "}", "nested too deeply"),
         ("null", "JSON object"),
@@ -194,10 +194,10 @@ def test_text_that_is_no_document(text: str, match: str, tmp_path: Path) -> None
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no such file"):
         fold_file.read(tmp_path / "missing.fold")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="this is a folder"):
         fold_file.read(tmp_path)
     (tmp_path / "bytes.fold").write_bytes(b"\xff\xfe{}")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match=r"bytes\.fold:1:1: the byte 0xff is not valid UTF-8"):
         fold_file.read(tmp_path / "bytes.fold")
 
 
@@ -258,3 +258,43 @@ def test_rabbit_ear_folds_the_developed_state_as_we_do(name: str, rabbit_ear) ->
     assert findings["kawasaki"] == findings["maekawa"] == []
     folded = np.array(document["file_frames"][1]["vertices_coords"])
     assert_close(best_motion(folded, np.array(findings["flat_folded"])), findings["flat_folded"], 1e-9)
+
+
+def _stretched(factors: list[float]) -> dict[str, Any]:
+    found = fold_file.document(miura(3, 3))
+    found["vertices_coords"] = (np.array(found["vertices_coords"]) * factors).tolist()
+    return found
+
+
+@pytest.mark.parametrize(
+    ("factors", "match"),
+    [
+        ([1e300, 1, 1], r"vertex \d+ is at .*: coordinates up to 1e\+12 are allowed"),
+        ([1, 0, 0], "facet 0 .* has no area"),
+        ([0, 0, 0], "all vertices of the design coincide"),
+        ([1e-200, 1e-200, 1e-200], "at least 1e-12 is needed"),
+    ],
+)
+def test_designs_that_no_arithmetic_can_hold(factors: list[float], match: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=match) as caught:
+        read(_stretched(factors), tmp_path)
+    assert str(tmp_path) in str(caught.value)
+
+
+def test_a_design_too_far_away_for_its_digits(tmp_path: Path) -> None:
+    document = _stretched([1, 1, 1])
+    document["vertices_coords"] = (np.array(document["vertices_coords"]) + 1e11).tolist()
+    with pytest.raises(InputError, match="away from the origin"):
+        read(document, tmp_path)
+
+
+def test_a_key_given_twice_is_refused(tmp_path: Path) -> None:
+    text = json.dumps(_stretched([1, 1, 1]))[:-1] + ', "faces_vertices": []}'
+    with pytest.raises(InputError, match="the key 'faces_vertices' is given twice"):
+        read(text, tmp_path)
+
+
+def test_a_byte_order_mark_is_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "design.fold"
+    path.write_bytes(b"\xef\xbb\xbf" + json.dumps(_stretched([1, 1, 1])).encode())
+    assert len(fold_file.read(path).pattern.faces_vertices) == 9

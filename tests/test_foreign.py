@@ -174,7 +174,7 @@ def edge(document: dict[str, Any], *more: list[int], word: str = "M") -> dict[st
 
 
 REFUSED: dict[str, tuple[object, str]] = {
-    "empty": ("", "not JSON"),
+    "empty": ("", "the file is empty"),
     "no JSON": ('{"a": ', "not JSON"),
     "a list": ([], "JSON object"),
     "nothing": ({}, "no frame of the file has vertices_coords"),
@@ -184,7 +184,7 @@ REFUSED: dict[str, tuple[object, str]] = {
     "huge": ({**SQUARES, "vertices_coords": [[1e60, 0]] + [[0, 1]] * 5}, "vertex 0 is at"),
     "four coordinates": ({**SQUARES, "vertices_coords": [[0, 0, 0, 0]] * 6}, "rows of 3"),
     "mixed coordinates": ({**SQUARES, "vertices_coords": [[0, 0]] * 5 + [[1, 1, 1]]}, "rows of 2"),
-    "one point": ({**SQUARES, "vertices_coords": [[3, 3]] * 6}, "all vertices coincide"),
+    "one point": ({**SQUARES, "vertices_coords": [[3, 3]] * 6}, "all vertices of the pattern coincide"),
     "one line": ({**SQUARES, "vertices_coords": [[k, k] for k in range(6)]}, "on one line"),
     "bad index": (edge(SQUARES, [0, 6]), "names a vertex that is not there"),
     "loop": (edge(SQUARES, [2, 2]), "joins vertex 2 to itself"),
@@ -241,7 +241,7 @@ def test_a_fold_file_is_refused_with_a_sentence(name: str, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        ("", None, "no facets"),
+        ("", None, "the file is empty"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", None, "no facets"),
         ("v 0 0\n", 1, "three finite numbers"),
         ("v 0 0 nan\n", 1, "three finite numbers"),
@@ -266,7 +266,7 @@ def test_what_is_no_file(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="no such file"):
             read_foreign(tmp_path / name)
     (tmp_path / "folder.obj").mkdir()
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="this is a folder"):
         read_foreign(tmp_path / "folder.obj")
     with pytest.raises(InputError, match=r"allowed are \.fold, \.obj"):
         read_foreign(tmp_path / "pattern.dxf")

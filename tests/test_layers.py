@@ -16,24 +16,26 @@ PACKAGE = Path(__file__).parents[1] / "inverse"
 # A module may be named before it exists.
 ARROWS: dict[str, set[str]] = {
     "errors": set(),
-    "files": set(),
     "words": set(),
+    "limits": {"errors"},
+    "files": {"errors", "words"},
+    "mesh_files": {"errors", "limits", "files"},
     "crossing": set(),
-    "fold_format": {"errors"},
+    "fold_format": {"errors", "limits", "files"},
     "pattern": {"errors"},
     "geometry": {"pattern"},
     "holes": {"pattern"},
     "strips": {"pattern"},
     "folding": {"pattern", "geometry"},
-    "fold_file": {"errors", "files", "fold_format", "pattern", "geometry", "holes", "folding"},
+    "fold_file": {"errors", "limits", "files", "fold_format", "pattern", "geometry", "holes", "folding"},
     "seeds": {"errors", "crossing", "pattern", "geometry"},
     # A second opinion: nothing that the optimizer computes with.
     "certify": {"errors", "crossing", "fold_format"},
-    "target": {"errors", "words"},
+    "target": {"errors", "words", "mesh_files"},
     "placement": {"errors", "pattern", "geometry", "seeds", "target"},
-    "fields": {"words"},
+    "fields": {"limits", "words"},
     "yaml_data": {"errors"},
-    "yaml_source": {"errors", "words", "yaml_data"},
+    "yaml_source": {"errors", "files", "yaml_data"},
     "validation": {"errors", "words", "fields", "yaml_data", "yaml_source"},
     "spec_pattern": {"errors", "words", "fields", "seeds"},
     "spec_target": {"errors", "fields", "target"},
@@ -105,7 +107,7 @@ ARROWS["policy"] = set(ARROWS)
 ARROWS["solve"] = set(ARROWS)
 ARROWS["repair"] = {
     *("errors", "fold_format", "fold_file", "pattern", "geometry", "folding", "crossing", "certify"),
-    *("model", "constraints", "assembly", "projection"),
+    *("limits", "mesh_files", "model", "constraints", "assembly", "projection"),
 }
 ARROWS["context"] = {"errors", "files", "words", "pattern"}
 

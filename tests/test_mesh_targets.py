@@ -182,25 +182,25 @@ OBJ = "".join(f"v {x} {y} {z}\n" for x, y, z in SQUARE)
         ("a.obj", "", "file is empty"),
         ("a.obj", OBJ, "no facets"),
         ("a.obj", "# nothing\n", "no facets"),
-        ("a.obj", OBJ + "f 1 2\n", r"line 5 is no facet: 'f 1 2'"),
-        ("a.obj", OBJ + "f 1 2 x\n", "line 5 is no facet"),
-        ("a.obj", OBJ + "f 0 1 2\n", "line 5 is no facet"),
-        ("a.obj", OBJ + "f 1 2 9\n", "names a vertex that is not there"),
-        ("a.obj", OBJ + "f -1 -2 -9\n", "names a vertex that is not there"),
-        ("a.obj", "v 0 0\n" + OBJ, "line 1 is no vertex: 'v 0 0'"),
-        ("a.obj", "v 0 0 nan\n" + OBJ, "line 1 is no vertex"),
-        ("a.obj", "v 0 0 1e999\n" + OBJ, "line 1 is no vertex"),
+        ("a.obj", OBJ + "f 1 2\n", r"a\.obj:5: 'f 1 2' is no facet"),
+        ("a.obj", OBJ + "f 1 2 x\n", r"a\.obj:5: 'f 1 2 x' is no facet"),
+        ("a.obj", OBJ + "f 0 1 2\n", r"a\.obj:5: the facet names vertex 0, but numbers start at 1"),
+        ("a.obj", OBJ + "f 1 2 9\n", r"a\.obj:5: the facet names vertex 9, but the file has 4"),
+        ("a.obj", OBJ + "f -1 -2 -9\n", r"a\.obj:5: the facet names vertex -9"),
+        ("a.obj", "v 0 0\n" + OBJ, r"a\.obj:1: 'v 0 0' is no vertex"),
+        ("a.obj", "v 0 0 nan\n" + OBJ, r"a\.obj:1: .* is no vertex"),
+        ("a.obj", "v 0 0 1e999\n" + OBJ, r"a\.obj:1: .* is no vertex"),
         ("a.obj", "v 1 1 1\n" * 3 + "f 1 2 3\n", "has no size"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "has no area"),
         ("a.obj", b"\xff\xfe\x00\x00", "no facets"),
         ("a.stl", "", "file is empty"),
-        ("a.stl", "solid a\nendsolid a\n", "no facets|cannot be read"),
-        ("a.stl", b"\0" * 84, "no facets|cannot be read"),
-        ("a.ply", "ply\nformat ascii 1.0\nend_header\n", "no facets|cannot be read"),
-        ("a.ply", "nonsense", "no facets|cannot be read"),
-        ("a.off", "OFF\n0 0 0\n", "no facets|cannot be read"),
-        ("a.glb", "nonsense", "cannot be read"),
-        ("a.gltf", "{}", "no facets|cannot be read"),
+        ("a.stl", "solid a\nendsolid a\n", "no facets"),
+        ("a.stl", b"\0" * 84, "no facets"),
+        ("a.ply", "ply\nformat ascii 1.0\nend_header\n", "no facets"),
+        ("a.ply", "nonsense", "no PLY file"),
+        ("a.off", "OFF\n0 0 0\n", "no facets"),
+        ("a.glb", "nonsense", "no binary glTF"),
+        ("a.gltf", "{}", "no facets"),
         ("a.3dm", "x", r"\.3dm is no mesh format: allowed are \.obj, \.ply"),
         ("a", "x", "a file without an ending is no mesh format"),
     ],
@@ -210,20 +210,21 @@ def test_files_that_are_refused(name: str, content: str | bytes, match: str, tmp
     path.write_bytes(content.encode() if isinstance(content, str) else content)
     with pytest.raises(InputError, match=match) as caught:
         read_mesh(path)
-    assert caught.value.where == str(path)
+    assert caught.value.where is not None
+    assert caught.value.where.startswith(str(path)) or path.name == "a"
 
 
 def test_numbers_that_are_not_finite_in_other_formats(tmp_path: Path) -> None:
     vertices, quads = bumpy(2)
     vertices[4, 2] = np.nan
     pyvista.PolyData.from_regular_faces(vertices, quads).save(tmp_path / "a.ply")
-    with pytest.raises(InputError, match="vertex 4 of the target mesh is not finite"):
+    with pytest.raises(InputError, match=r"vertex 4 is at .*: it must be finite"):
         read_mesh(tmp_path / "a.ply")
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there is no such target mesh file"):
+    with pytest.raises(InputError, match="there is no such file"):
         read_mesh(tmp_path / "missing.obj")
     (tmp_path / "folder.obj").mkdir()
-    with pytest.raises(InputError, match="is empty"):
+    with pytest.raises(InputError, match="this is a folder"):
         read_mesh(tmp_path / "folder.obj")

@@ -245,8 +245,9 @@ def test_rendered_pictures_show_something(tmp_path: Path):
     from PIL import Image
 
     design = designs.miura(6, 6)
-    sphere = (design.vertices_coords[:3] + np.array([0, 0, 4]), np.array([[0, 1, 2]]))
-    pictures.design_picture(design, tmp_path / "d.png", target=sphere, context=wall(-6.0, 3.0))
+    box = design.vertices_coords[:4] + np.array([0, 0, 4])
+    closed = (box, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]))  # without a rim
+    pictures.design_picture(design, tmp_path / "d.png", target=closed, context=wall(-6.0, 3.0))
     pictures.states_picture(design, tmp_path / "s.png")
     for name in ("d.png", "s.png"):
         with Image.open(io.BytesIO((tmp_path / name).read_bytes())) as picture:

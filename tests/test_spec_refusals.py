@@ -129,6 +129,19 @@ RANGES = [
     ("every: 2", "every: |0", "constraints.anchors.0.every is 0: it must be at least 1"),
     ("1.0e-9", "|0.1", "solver.tolerance is 0.1: it must be at most 0.001"),
     ("[0, 3]", "[0, |-3]", "constraints.anchors.1.vertices.1 is -3: it must be at least 0"),
+    ("below: 2.4", "below: |1e300", "constraints.keep_out.0.below is 1e+300: it must be at most 1e+12"),
+    (
+        TO,
+        "{polyline: [[0, 0, 0], [|1e20, 0, 0]]}",
+        "constraints.anchors.0.to.polyline.1.0 is 1e+20: it must be at most",
+    ),
+    (
+        TO,
+        "{circle: {center: [0, 0, 0], normal: [0, 0, 1], radius: |1e-300}}",
+        "1e-300 is too small: it must be at least",
+    ),
+    ("ipopt", f"ipopt, max_iterations: |{10**30}", f"solver.max_iterations is {10**30}: it must be at most 1e+09"),
+    ("vault", "|" + 300 * "a", 'name is "aaa'),
 ]
 KINDS = [
     ("sector_angle: 60", 'sector_angle: |"60"', 'pattern.sector_angle is "60": it must be a number'),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,9 +12,11 @@ import numpy as np
 from inverse.context.building import Building, Context, Surface
 from inverse.context.city_objects import FARTHEST, MalformedError, buildings_of
 from inverse.errors import InputError
+from inverse.files import json_object, read_text
 from inverse.pattern import FloatArray
 
 VERSIONS = ("1.1", "2.0")
+MAX_BYTES = 100_000_000
 
 
 def read_city_json(path: Path, origin: Sequence[float] | FloatArray | None = None) -> Context:
@@ -36,12 +37,7 @@ def read_city_json(path: Path, origin: Sequence[float] | FloatArray | None = Non
         InputError: the file is missing, is not CityJSON of these versions, or holds no building.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"there is no file {path}", hint="it is looked up beside the specification") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read {path}: {error}") from None
+    text = read_text(path, MAX_BYTES)
     start = None if origin is None else _point(origin, "origin")
     where, header, features = _documents(text, path.name)
     scale, translate = _transform(header, where)
@@ -85,7 +81,7 @@ def _documents(text: str, name: str) -> tuple[str, dict[str, Any], list[tuple[st
         raise InputError("the file is empty", where=name)
     if re.match(r"\s*\{.*\}\s*$", lines[0][1]) is None:  # one object over many lines: a single CityJSON file
         lines = [(1, text)]
-    parsed = [(f"{name}:{number}", _parsed(line, name, number)) for number, line in lines]
+    parsed = [(f"{name}:{number}", json_object(line, name, number)) for number, line in lines]
     where, header = parsed[0]
     if header.get("type") != "CityJSON":
         raise InputError(f'the first object must have "type": "CityJSON", not {header.get("type")!r}', where=where)
@@ -96,19 +92,6 @@ def _documents(text: str, name: str) -> tuple[str, dict[str, Any], list[tuple[st
         if feature.get("type") != "CityJSONFeature":
             raise InputError(f'expected "type": "CityJSONFeature", not {feature.get("type")!r}', where=place)
     return where, header, parsed[1:]
-
-
-def _parsed(text: str, name: str, line: int) -> dict[str, Any]:
-    try:
-        document = json.loads(text)
-    except json.JSONDecodeError as error:
-        place = f"{name}:{line + error.lineno - 1}:{error.colno}"
-        raise InputError(f"this is not JSON: {error.msg}", where=place) from None
-    except (RecursionError, ValueError):  # lists nested by the thousand, numbers of thousands of digits
-        raise InputError("lists are too deep or numbers too long", where=f"{name}:{line}") from None
-    if not isinstance(document, dict):
-        raise InputError("expected a JSON object in braces", where=f"{name}:{line}")
-    return document
 
 
 def _point(values: Any, name: str, where: str | None = None) -> FloatArray:

@@ -36,6 +36,8 @@ def render(scene: dict[str, Any]) -> np.ndarray:
         plotter.add_mesh(mesh, scalars="colours", rgb=True, lighting=False, opacity=item["opacity"])
     for item in scene["lines"]:
         ends = item["ends"]
+        if len(ends) == 0:  # a closed surface has no rim
+            continue
         mesh = pyvista.PolyData(item["points"], lines=np.insert(ends, 0, 2, axis=1).ravel())
         mesh.cell_data["colours"] = item["colours"]
         line_width = OVERSAMPLING * item["width"]

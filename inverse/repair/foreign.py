@@ -11,12 +11,12 @@ import numpy as np
 
 from inverse.errors import InputError
 from inverse.fold_format import EDGE_TYPES, array_of, edges_of, facets_of, read_document, words_of
+from inverse.limits import check_coordinates, check_extent
+from inverse.mesh_files import read_obj
 from inverse.pattern import FloatArray
-from inverse.repair.obj import read_obj
 
 FORMATS = (".fold", ".obj")
 ASSIGNMENTS = ("B", "M", "V", "F", "U", "C")
-LARGEST, SMALLEST = 1e50, 1e-50  # beyond these, products of lengths leave the floating-point range
 
 Pair = tuple[int, int]
 
@@ -59,8 +59,9 @@ def read_foreign(path: Path) -> ForeignMesh:
         raise InputError(f"{given} is no format that patterns are read from: allowed are {', '.join(FORMATS)}",
                          where=str(path))  # fmt: skip
     if path.suffix.lower() == ".obj":
-        points, facets = read_obj(path)
-        mesh = ForeignMesh(points, facets, {}, {}, "unit", path.stem)
+        found = read_obj(path)
+        facets = np.split(found.corners, np.cumsum(found.sizes)[:-1])
+        mesh = ForeignMesh(found.vertices, tuple(tuple(f.tolist()) for f in facets), {}, {}, "unit", path.stem)
     else:
         mesh = _from_fold(read_document(path), path)
     _check_coordinates(mesh, path)
@@ -155,11 +156,5 @@ def _assignments(frame: dict[str, Any], count: int, where: str) -> list[str]:
 
 
 def _check_coordinates(mesh: ForeignMesh, path: Path) -> None:
-    points = mesh.vertices_coords
-    size = float(np.abs(points).max(initial=0.0))
-    if size > LARGEST:
-        worst = int(np.argmax(np.abs(points).max(axis=1)))
-        raise InputError(f"vertex {worst} is at {points[worst].tolist()}: coordinates up to {LARGEST:g} are allowed",
-                         where=str(path))  # fmt: skip
-    if float(np.ptp(points, axis=0).max(initial=0.0)) < max(SMALLEST, 1e-12 * size):
-        raise InputError("all vertices coincide", where=str(path))
+    check_coordinates(mesh.vertices_coords, str(path))
+    check_extent(mesh.vertices_coords, "the pattern", str(path))

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from inverse.errors import InputError
+from inverse.mesh_files import Polygons, read_mesh_file
 from inverse.target.base import ClosestPoints, FloatArray, Frame, IntArray, Target
-
-FORMATS = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off")
 
 
 class MeshTarget(Target):
@@ -132,86 +131,27 @@ def read_mesh(path: Path) -> MeshTarget:
         path: an OBJ, PLY, STL, OFF, GLB or glTF file.
 
     Raises:
-        InputError: missing, empty or unreadable file, unknown format, or a mesh that is none.
+        InputError: missing, empty, damaged or too large a file, unknown format, or a mesh that is none.
     """
-    if not path.exists():
-        raise InputError("there is no such target mesh file", where=str(path))
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(
-            f"{path.suffix or 'a file without an ending'} is no mesh format: allowed are {', '.join(FORMATS)}",
-            where=str(path),
-        )
-    if not path.is_file() or path.stat().st_size == 0:
-        raise InputError("the target mesh file is empty", where=str(path))
+    vertices, triangles = _triangulated(read_mesh_file(path))
     try:
-        vertices, polygons = _obj(path) if path.suffix.lower() == ".obj" else _by_library(path)
-        return MeshTarget(*_triangulated(vertices, polygons))
+        return MeshTarget(vertices, triangles)
     except InputError as error:
         raise InputError(error.message, where=str(path), hint=error.hint) from None
 
 
-def _by_library(path: Path) -> tuple[FloatArray, list[list[int]]]:
-    if path.suffix.lower() in (".glb", ".gltf", ".off"):
-        import trimesh
-
-        try:
-            mesh = trimesh.load(path, force="mesh")
-        except Exception as error:  # the reader raises whatever its parsers do
-            raise InputError(f"the target mesh cannot be read: {error}") from None
-        return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces).tolist()
-    import pyvista
-
-    try:
-        grid = pyvista.read(path)
-        surface = grid if isinstance(grid, pyvista.PolyData) else grid.extract_surface()
-    except Exception as error:
-        raise InputError(f"the target mesh cannot be read: {error}") from None
-    return np.asarray(surface.points, np.float64), [list(map(int, face)) for face in surface.irregular_faces]
-
-
-def _obj(path: Path) -> tuple[FloatArray, list[list[int]]]:
-    """Vertices and polygons of an OBJ file in double precision, faults with their line."""
-    vertices: list[list[float]] = []
-    polygons: list[list[int]] = []
-    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
-        words = line.split("#")[0].split()
-        if not words or words[0] not in ("v", "f"):
-            continue
-        try:
-            if words[0] == "v":
-                vertices.append([float(w) for w in words[1:4]])
-                if len(vertices[-1]) != 3 or not np.isfinite(vertices[-1]).all():
-                    raise ValueError
-            else:
-                index = [int(w.split("/")[0]) for w in words[1:]]
-                polygons.append([k - 1 if k > 0 else len(vertices) + k for k in index])
-                if len(index) < 3 or 0 in index:
-                    raise ValueError
-        except ValueError:
-            raise InputError(
-                f"line {number} is no {'vertex' if words[0] == 'v' else 'facet'}: {line.strip()!r}"
-            ) from None
-    if polygons and not all(0 <= k < len(vertices) for face in polygons for k in face):
-        raise InputError("a facet of the target mesh names a vertex that is not there")
-    if not polygons:
-        raise InputError("the target mesh has no facets")
-    return np.array(vertices, np.float64), polygons
-
-
-def _triangulated(vertices: FloatArray, polygons: list[list[int]]) -> tuple[FloatArray, IntArray]:
+def _triangulated(mesh: Polygons) -> tuple[FloatArray, IntArray]:
     """Triangles as they are; a polygon of more sides, planar or not, around its centroid (no diagonal is preferred)."""
-    used = np.unique(np.array([v for face in polygons for v in face], np.int64))
-    bad = used[~np.isfinite(vertices[used]).all(axis=1)]
-    if len(bad):
-        raise InputError(f"vertex {bad[0]} of the target mesh is not finite: {vertices[bad[0]].tolist()}")
-    extra: list[FloatArray] = []
-    triangles: list[list[int]] = []
-    for face in polygons:
-        if len(face) == 3:
-            triangles.append(face)
-            continue
-        centre = len(vertices) + len(extra)
-        extra.append(vertices[face].mean(axis=0))
-        triangles += [[face[k], face[(k + 1) % len(face)], centre] for k in range(len(face))]
-    points = np.vstack([vertices, *extra]) if extra else vertices
-    return points, np.array(triangles, np.int64).reshape(-1, 3)
+    vertices, sizes, corners = mesh.vertices, mesh.sizes, mesh.corners
+    first = np.cumsum(sizes) - sizes
+    facet = np.repeat(np.arange(len(sizes)), sizes)
+    following = np.roll(corners, -1)
+    following[first + sizes - 1] = corners[first]
+    plain, cut = sizes == 3, sizes > 3
+    centres = np.add.reduceat(vertices[corners], first)[cut] / sizes[cut, None]
+    centre_of = len(vertices) + np.cumsum(cut) - 1
+    sides = cut[facet]
+    fans = np.stack([corners[sides], following[sides], centre_of[facet[sides]]], axis=1)
+    triangles = np.concatenate([corners[first[plain, None] + np.arange(3)], fans])
+    order = np.argsort(np.concatenate([np.flatnonzero(plain), facet[sides]]), kind="stable")
+    return np.concatenate([vertices, centres]), triangles[order]

@@ -7,46 +7,46 @@ from pathlib import Path
 import numpy as np
 
 from inverse.errors import InputError
-from inverse.pattern import FloatArray
+from inverse.files import read_bytes
+from inverse.mesh_files.polygons import MAX_BYTES, Polygons, check_corners, check_counts, check_sides, checked
 
 
-def read_obj(path: Path) -> tuple[FloatArray, tuple[tuple[int, ...], ...]]:
+def read_obj(path: Path) -> Polygons:
     """Read an OBJ file; groups, normals, texture coordinates, lines and materials are passed over.
 
     Args:
-        path: the file.
-
-    Returns:
-        Vertices (V, 3) float64 and the vertices of each facet, numbered from 0.
+        path: the file. Names and comments in it may be of any encoding.
 
     Raises:
         InputError: missing or unreadable file, a line that is no vertex or facet, no facets.
     """
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=str(path)) from None
-    except OSError as error:
-        raise InputError(f"the file cannot be read: {error}", where=str(path)) from None
+    text = read_bytes(path, MAX_BYTES).decode("utf-8-sig", errors="replace")
     vertices: list[list[float]] = []
-    facets: list[tuple[int, ...]] = []
+    facets: list[list[int]] = []
     lines: list[int] = []
+    n_corners = 0
     for number, line in enumerate(text.split("\n"), 1):
-        words = line.split("#")[0].split()
+        words = line.split("#", 1)[0].split()
         where = f"{path}:{number}"
         if words[:1] == ["v"]:
             vertices.append(_vertex(words[1:], line, where))
         elif words[:1] == ["f"]:
             facets.append(_facet(words[1:], len(vertices), line, where))
             lines.append(number)
+            n_corners += len(facets[-1])
+            check_corners(n_corners, str(path))
+        check_counts(len(vertices), len(facets), str(path))
     if not facets:
         raise InputError("the file has no facets (lines `f ...`)", where=str(path))
     for facet, number in zip(facets, lines, strict=True):
-        for v in facet:
-            if v >= len(vertices):
-                raise InputError(f"the facet names vertex {v + 1}, but the file has {len(vertices)}, numbered from 1",
-                                 where=f"{path}:{number}")  # fmt: skip
-    return np.array(vertices, np.float64), tuple(facets)
+        if max(facet) >= len(vertices):
+            raise InputError(
+                f"the facet names vertex {max(facet) + 1}, but the file has {len(vertices)}, numbered from 1",
+                where=f"{path}:{number}",
+            )
+    sizes = np.array([len(facet) for facet in facets], np.int64)
+    corners = np.array([k for facet in facets for k in facet], np.int64)
+    return checked(np.array(vertices, np.float64).reshape(-1, 3), sizes, corners, path)
 
 
 def _vertex(words: list[str], line: str, where: str) -> list[float]:
@@ -59,15 +59,17 @@ def _vertex(words: list[str], line: str, where: str) -> list[float]:
     return point
 
 
-def _facet(words: list[str], n_vertices: int, line: str, where: str) -> tuple[int, ...]:
+def _facet(words: list[str], n_vertices: int, line: str, where: str) -> list[int]:
     """Indices from 0; negative ones in the file count back from the last vertex so far."""
+    if len(words) > 2:
+        check_sides(len(words), where)
     try:
-        given = [int(word.split("/")[0]) for word in words]
+        given = [int(word.split("/", 1)[0]) for word in words]
     except ValueError:
         given = []
     if len(given) < 3:
         raise InputError(f"{line.strip()[:60]!r} is no facet: three or more vertex numbers are needed", where=where)
-    facet = tuple(k - 1 if k > 0 else n_vertices + k for k in given)
+    facet = [k - 1 if k > 0 else n_vertices + k for k in given]
     if 0 in given or min(facet) < 0:
         bad = next(k for k, v in zip(given, facet, strict=True) if k == 0 or v < 0)
         raise InputError(f"the facet names vertex {bad}, but numbers start at 1 (or -1, counted back from the last)",
