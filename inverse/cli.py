@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import sys
+import threading
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, CycloptsError, Parameter
 
+from inverse import interrupts
 from inverse.cli_export import export
 from inverse.cli_fold import fold
 from inverse.errors import InputError
+from inverse.files import json_text
 from inverse.terminal import Line
 
 if TYPE_CHECKING:
@@ -48,19 +51,30 @@ def solve(
         overrides: changes a value of the specification, as key.path=value; may be repeated.
         as_json: print the result as JSON.
     """
-    from inverse import report, spec
-    from inverse import solve as run
+    stop = threading.Event()
+    with interrupts.held(stop):
+        from inverse import report, spec
+        from inverse import solve as run
+        from inverse.results import Results
 
-    loaded = spec.load(specification, overrides)
-    folder = report.output_folder(loaded.specification.name, out)
-    context = report.read_context(loaded)
-    with _Watch() as watch:
-        result = run(loaded, watch)
-    notes = report.write(result, loaded, context, folder)
-    for note in notes:
+        loaded = spec.load(specification, overrides)
+        folder = report.output_folder(loaded.specification.name, out)
+        context = report.read_context(loaded)
+    if stop.is_set():
+        return interrupted()
+    with ExitStack() as folders:
+        results = folders.enter_context(Results(folder))
+        with _Watch() as watch:
+            result = run(loaded, watch)
+        if report.keeps_earlier(result, folder):
+            earlier, folder = folder, folder.absolute().with_name(f"{folder.absolute().name}.interrupted")
+            print(f"{earlier} keeps its certified design; that of this run goes to {folder}", file=sys.stderr)
+            results = folders.enter_context(Results(folder))
+        written = report.write(result, loaded, context, results)
+    for note in written.notes:
         print(note, file=sys.stderr)
     if as_json:
-        print(json.dumps(_summary(result, folder), indent=1))
+        print(json_text(_summary(result, folder)))
     else:
         print(result.status if result.certified and result.converged else f"NOT DONE: {result.status}", file=sys.stderr)
         fit = result.report["fit"]
@@ -71,7 +85,7 @@ def solve(
         print(f"solving   {spent:.1f} s, {result.report['iterations']} iterations")
         for path in report.files(folder):
             print(f"wrote     {path}")
-    if result.interrupted:
+    if result.interrupted or written.interrupted:
         return INTERRUPTED
     return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
 
@@ -85,10 +99,12 @@ def check(design: Path, /, *, as_json: Annotated[bool, Parameter(name="--json", 
         as_json: print the certificate as JSON.
     """
     from inverse import check as certify
+    from inverse.results import settle
 
+    settle(design.parent)
     certificate = certify(design)
     if as_json:
-        print(json.dumps(certificate.document(), indent=1, allow_nan=False))
+        print(json_text(certificate.document()))
     else:
         for one in certificate.checks.values():
             print(one.sentence)
@@ -125,13 +141,16 @@ def repair(
     """
     from inverse import repair as run
     from inverse import report
+    from inverse.results import Results
 
     folder = report.output_folder(pattern.stem, out)
-    result = run(pattern, u_lines=u_lines, v_lines=v_lines, far=far)
-    for note in report.write_repair(result, folder):
+    with Results(folder) as results:
+        result = run(pattern, u_lines=u_lines, v_lines=v_lines, far=far)
+        written = report.write_repair(result, results)
+    for note in written.notes:
         print(note, file=sys.stderr)
     if as_json:
-        print(json.dumps(_repair_summary(result, folder), indent=1))
+        print(json_text(_repair_summary(result, folder)))
     else:
         done = result.certified and result.converged
         print(result.status if done else f"NOT REPAIRED: {result.status}", file=sys.stderr)
@@ -139,6 +158,8 @@ def repair(
             print(line)
         for path in report.files(folder):
             print(f"wrote     {path}")
+    if written.interrupted:
+        return INTERRUPTED
     return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
 
 
@@ -151,28 +172,36 @@ def schema() -> int:
     """Print the JSON schema of specifications."""
     from inverse.spec import Specification
 
-    print(json.dumps(Specification.model_json_schema(), indent=1))
+    print(json_text(Specification.model_json_schema()))
     return 0
 
 
 def main() -> None:
-    """Run the command line and exit with its code."""
-    sys.exit(run(sys.argv[1:]))
+    """What scripts call that were installed by earlier versions."""
+    from inverse.__main__ import main as program
+
+    program()
 
 
 def run(arguments: list[str]) -> int:
     """Run the command line; wrong input becomes a message and a code, never a traceback."""
     try:
-        result = app(arguments, exit_on_error=False, print_error=True)
+        with interrupts.raised():
+            result = app(arguments, exit_on_error=False, print_error=True)
     except CycloptsError:
         return WRONG_INPUT
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return INTERRUPTED
+        return interrupted()
     return result if isinstance(result, int) else 0
+
+
+def interrupted() -> int:
+    """Say that the user ended the run before it came to writing."""
+    print("interrupted before anything was written", file=sys.stderr)
+    return INTERRUPTED
 
 
 def _summary(result: Result, folder: Path) -> dict[str, object]:

@@ -78,7 +78,9 @@ def export(
     """
     from inverse import fold_file
     from inverse.fabricate import formats
+    from inverse.results import settle
 
+    settle(design.parent)
     name = _format(to, out)
     settings = formats.Settings(
         at, thickness, delta, delta_of, hinge, density, sheet, scale, dash, gap, flaps, layers, paper

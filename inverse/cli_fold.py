@@ -65,7 +65,9 @@ def fold(
     from inverse import fold_file
     from inverse.fabricate import motion
     from inverse.fabricate.formats import Settings, thickness_of
+    from inverse.results import settle
 
+    settle(design.parent)
     given = {
         "frames": frames is not None, "to": bool(to), "range": degrees is not None, "size": size is not None,
         "target": target is not None, "context": context is not None, "figure": figure,

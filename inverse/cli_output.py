@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from inverse.errors import InputError
-from inverse.files import write_atomically
+from inverse.files import write_together
 
 
 def folder_for(design: Path, given: Path | None) -> Path:
@@ -37,14 +37,15 @@ def is_file_name(given: Path | None) -> bool:
 
 
 def write_all(files: Mapping[Path, str | bytes]) -> None:
-    """Write all files, each whole.
+    """Write all files, each whole, or none of them.
 
     Raises:
         InputError: one cannot be written.
     """
-    for path, content in files.items():
-        try:
+    try:
+        for path in files:
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, content)
-        except OSError as error:
-            raise InputError(f"{path} cannot be written: {error}", hint="Choose another -o.") from None
+        write_together(files)
+    except OSError as error:
+        names = ", ".join(str(path) for path in files)
+        raise InputError(f"{names} cannot be written: {error}", hint="Choose another -o.") from None

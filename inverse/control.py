@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
+from inverse import interrupts
 from inverse.attempt import Progress
 
 Watch = Callable[[str, Progress], None]
@@ -55,14 +55,15 @@ class Control:
                 self.failure = error
         return not self.stopped
 
-    @contextmanager
-    def interruptible(self) -> Iterator[None]:
-        """Let Ctrl-C end the run at its next iteration instead of in the middle of one."""
-        if threading.current_thread() is not threading.main_thread():
-            yield
-            return
-        previous = signal.signal(signal.SIGINT, lambda _signal, _frame: self.stop.set())
-        try:
-            yield
-        finally:
-            signal.signal(signal.SIGINT, previous)
+    def interruptible(self) -> AbstractContextManager[None]:
+        """Let Ctrl-C and SIGTERM end the run at its next iteration instead of in the middle of one."""
+        return interrupts.held(self.stop)
+
+    def check(self) -> None:
+        """End here if asked to, where nothing has been found yet.
+
+        Raises:
+            KeyboardInterrupt: after Ctrl-C or SIGTERM.
+        """
+        if self.stop.is_set():
+            raise KeyboardInterrupt

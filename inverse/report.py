@@ -1,23 +1,26 @@
-"""What a solve or a repair leaves behind: design, certificate, report, pictures, each file whole or not at all."""
+"""What a solve or a repair leaves behind: design, certificate and report first, then pictures."""
 
 from __future__ import annotations
 
 import json
 import os
 import platform
+import threading
 import time
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from inverse import fold_file, pictures
+from inverse import fold_file, interrupts, pictures
 from inverse.certify import Certificate
 from inverse.context import Context, read_city_json, triangulated
 from inverse.errors import InputError
-from inverse.files import write_atomically
+from inverse.files import json_text, write_atomically
 from inverse.pattern import CFL, Design
 from inverse.pictures.design_state import Surface
 from inverse.repair import Repair
+from inverse.results import NAMES, Results, unwritable
 from inverse.solve import Result
 from inverse.spec import Loaded
 
@@ -26,9 +29,7 @@ PACKAGES = ("inverse", "casadi", "numpy", "scipy", "pyvista", "trimesh", "libigl
 
 def files(folder: Path) -> list[Path]:
     """The files of a result that are there; pictures may be missing."""
-    written = ("design.fold", "certificate.json", "report.json")
-    pictured = ("design.png", "states.png", "crease_pattern.svg", "layers.svg")
-    return [folder / name for name in written + pictured if (folder / name).exists()]
+    return [folder / name for name in NAMES if (folder / name).exists()]
 
 
 def output_folder(name: str, given: Path | None) -> Path:
@@ -63,21 +64,47 @@ def read_context(loaded: Loaded) -> Context | None:
         raise loaded.source.error(("context", "file"), str(error).split("\n")[0], error.hint) from None
 
 
-def write(result: Result, loaded: Loaded, context: Context | None, folder: Path) -> list[str]:
+def keeps_earlier(result: Result, folder: Path) -> bool:
+    """Whether an interrupted run has nothing that may replace what an earlier one left in a folder.
+
+    That is certified, and this run's is not, or is the seed that it began with.
+    """
+    try:
+        earlier = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))["certified"] is True
+    except (OSError, ValueError, TypeError, KeyError):
+        return False
+    found = result.certified and result.report["iterations"] > 0
+    return result.interrupted and earlier and not found and (folder / "design.fold").exists()
+
+
+@dataclass(frozen=True)
+class Written:
+    """How writing went.
+
+    Attributes:
+        notes: sentences about what could not be written, if anything.
+        interrupted: Ctrl-C or SIGTERM came meanwhile, so that pictures are missing.
+    """
+
+    notes: list[str]
+    interrupted: bool = False
+
+
+def write(result: Result, loaded: Loaded, context: Context | None, results: Results) -> Written:
     """Write everything that a solve promises.
 
     Args:
         result: of :func:`inverse.solve`.
         loaded: the specification it was solved for.
         context: buildings for the picture.
-        folder: where; made if missing.
+        results: where.
 
-    Returns:
-        Sentences about what could not be written, if anything.
+    Raises:
+        InputError: nothing could be written; what was there is still there.
     """
     report = {"name": loaded.specification.name, "status": result.status, **result.report}
     return _write(
-        folder,
+        results,
         result.design,
         result.certificate,
         report,
@@ -87,22 +114,22 @@ def write(result: Result, loaded: Loaded, context: Context | None, folder: Path)
     )
 
 
-def write_repair(result: Repair, folder: Path) -> list[str]:
+def write_repair(result: Repair, results: Results) -> Written:
     """Write everything that a repair promises.
 
     Args:
         result: of :func:`inverse.repair`.
-        folder: where; made if missing.
+        results: where.
 
-    Returns:
-        Sentences about what could not be written, if anything.
+    Raises:
+        InputError: nothing could be written; what was there is still there.
     """
     report = {"name": result.design.name, "status": result.status, **result.report}
-    return _write(folder, result.design, result.certificate, report, {}, target=None, context=None)
+    return _write(results, result.design, result.certificate, report, {}, target=None, context=None)
 
 
 def _write(
-    folder: Path,
+    results: Results,
     design: Design,
     certificate: Certificate,
     report: dict[str, Any],
@@ -110,39 +137,59 @@ def _write(
     *,
     target: Surface | None,
     context: Surface | None,
-) -> list[str]:
+) -> Written:
+    versions = {name: version(name) for name in PACKAGES} | {"python": platform.python_version()}
+    report = report | {"versions": versions} | task | {"notes": []}
+    stop = threading.Event()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        fold_file.write(design, folder / "design.fold")
-        _write_json(folder / "certificate.json", certificate.document())
-        began = time.perf_counter()
-        notes = _write_pictures(design, target, context, folder)
-        spent = {"pictures": time.perf_counter() - began}
-        versions = {name: version(name) for name in PACKAGES} | {"python": platform.python_version()}
-        seconds = {"seconds": {**report.get("seconds", {}), **spent}}
-        _write_json(folder / "report.json", report | {"versions": versions} | task | {"notes": notes} | seconds)
+        with interrupts.held(stop):
+            new = results.filling()
+            fold_file.write(design, new / "design.fold")
+            _write_json(new / "certificate.json", certificate.document())
+            _write_json(new / "report.json", report)
+            results.replace()
     except OSError as error:
-        raise InputError(
-            f"the results cannot be written: {error}", where=str(folder), hint="Choose another -o."
-        ) from None
+        raise unwritable(results.folder, error) from None
+    interrupted = Written(["Interrupted: the results have no pictures."], interrupted=True)
+    if stop.is_set():
+        return interrupted
+    try:
+        with interrupts.raised():
+            return Written(_add_pictures(results, design, report, target, context))
+    except KeyboardInterrupt:
+        return interrupted
+
+
+def _add_pictures(
+    results: Results, design: Design, report: dict[str, Any], target: Surface | None, context: Surface | None
+) -> list[str]:
+    """Draw, and tell in the report how that went; what is there already does not depend on it."""
+    began = time.perf_counter()
+    try:
+        new = results.filling()
+        notes = _draw(design, target, context, new)
+        seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
+        _write_json(new / "report.json", report | {"notes": notes, "seconds": seconds})
+        results.add()
+    except OSError as error:
+        return [f"The pictures cannot be written: {error}"]
     return notes
 
 
-def _write_pictures(design: Design, target: Surface | None, context: Surface | None, folder: Path) -> list[str]:
+def _draw(design: Design, target: Surface | None, context: Surface | None, folder: Path) -> list[str]:
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
-    if (design.pattern.edges_type == CFL).any():
+    if (design.pattern.edges_type == CFL).any():  # else the developed state has a single layer
         pictures.layers_picture(design, folder / "layers.svg")
-    else:
-        (folder / "layers.svg").unlink(missing_ok=True)  # the developed state has a single layer
     missing = pictures.can_render()
     if missing is not None:
-        for name in ("design.png", "states.png"):
-            (folder / name).unlink(missing_ok=True)  # a picture of an earlier design would mislead
         return [missing]
-    pictures.design_picture(design, folder / "design.png", target=target, context=context)
-    pictures.states_picture(design, folder / "states.png")
+    try:
+        pictures.design_picture(design, folder / "design.png", target=target, context=context)
+        pictures.states_picture(design, folder / "states.png")
+    except RuntimeError as error:  # the process that draws was killed or took too long
+        return [f"No 3D pictures: {error}"]
     return []
 
 
 def _write_json(path: Path, document: dict[str, Any]) -> None:
-    write_atomically(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    write_atomically(path, json_text(document) + "\n")

@@ -80,21 +80,23 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
     Raises:
         InputError: the specification, or a file that it names, cannot be used; the start has another pattern.
         SolveError: with ``throw``, for every ending but ``solved``; it carries the result.
+        KeyboardInterrupt: at Ctrl-C or SIGTERM before there is a design to keep, and at a second one at any time.
     """
     began = time.perf_counter()
     limit = loaded.specification.solver.time_limit_s
     control = Control(np.inf if limit is None else time.monotonic() + limit, watch)
-    formulation = formulate(loaded)
-    policy = Policy(loaded, formulation, control)
-    formulated = time.perf_counter()
     with control.interruptible():
+        formulation = formulate(loaded)
+        control.check()
+        policy = Policy(loaded, formulation, control)
+        formulated = time.perf_counter()
         if start is None:
             outcome = policy.run(None, None)
         else:
             outcome = policy.run(_variables(start, formulation.goal), start.multipliers)
-    ending, details = _ending(policy, outcome)
-    report = _report(policy, outcome) | {"ending": ending}
-    report["seconds"] = {"formulate": formulated - began} | policy.seconds
+        ending, details = _ending(policy, outcome)
+        report = _report(policy, outcome) | {"ending": ending}
+        report["seconds"] = {"formulate": formulated - began} | policy.seconds
     result = Result(
         ending, statuses.sentence(ending, details), outcome.converged, outcome.certificate.certified,
         control.stopped and not outcome.is_solved,

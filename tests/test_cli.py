@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -89,7 +90,7 @@ def test_wrong_input_is_located_and_explained(
     [
         ("", ["empty"]),
         ("v 0 0 0\nv 1 0 0\n", ["no facets"]),
-        ("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", ["line 3"]),
+        ("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", ["hill.obj:3:"]),
         ("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", ["no size"]),
         ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", ["no area"]),
     ],
@@ -198,6 +199,20 @@ def test_the_schema_names_every_part(capsys: pytest.CaptureFixture[str]) -> None
     assert {"name", "units", "pattern", "target", "fit", "objectives", "constraints", "solver"} <= set(
         schema["properties"]
     )
+
+
+def test_threads_that_somebody_asks_for_change_no_bit(tmp_path: Path) -> None:
+    (tmp_path / "dome.yaml").write_text(DOME.replace("[6, 6]", "[20, 20]"))
+    code = "import sys; sys.modules['pyvista'] = None; from inverse.__main__ import main; main()"  # no pictures
+    for count in ("1", "2"):
+        threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), count)
+        done = subprocess.run(
+            [sys.executable, "-c", code, "solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / count)],
+            env=os.environ | threads, capture_output=True,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    one, two = ((tmp_path / count / "design.fold").read_bytes() for count in ("1", "2"))
+    assert one == two
 
 
 def test_the_module_runs_as_a_program() -> None:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import math
+import random
 import signal
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +19,7 @@ from designs import assert_close
 from test_solve import assert_good, dome, task
 
 import inverse
-from inverse import objectives
+from inverse import cli, interrupts, objectives
 from inverse.attempt import Progress
 from inverse.control import Watch
 
@@ -78,18 +83,20 @@ def test_who_wants_to_exit_exits() -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-@pytest.mark.parametrize("at", [0, 4, 12])
-def test_ctrl_c_keeps_the_best_design(at: int) -> None:
+@pytest.mark.parametrize(
+    ("at", "number"), [(0, signal.SIGINT), (4, signal.SIGINT), (12, signal.SIGINT), (4, signal.SIGTERM)]
+)
+def test_ctrl_c_keeps_the_best_design(at: int, number: signal.Signals) -> None:
     told = Told()
 
     def watch(phase: str, progress: Progress) -> None:
         told(phase, progress)
         if len(told.progress) == at + 1:
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
 
-    before = signal.getsignal(signal.SIGINT)
+    before = signal.getsignal(number)
     result = inverse.solve(task(), watch)
-    assert signal.getsignal(signal.SIGINT) is before
+    assert signal.getsignal(number) is before
     assert result.interrupted
     assert not result.converged
     assert result.status.startswith("interrupted, the best design so far was kept: ")
@@ -97,6 +104,91 @@ def test_ctrl_c_keeps_the_best_design(at: int) -> None:
     assert result.certified
     fit = result.report["fit"]
     assert fit["rms"] <= fit["start_rms"] * (1 + 1e-9 if at == 0 else 0.1)  # after 4 iterations a hundredth is left
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_before_there_is_a_design(
+    number: signal.Signals, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As CasADi does it: what a handler raises comes out as something else."""
+    module = importlib.import_module("inverse.solve")
+    formulate = module.formulate
+
+    def in_casadi(*given: Any) -> Any:
+        try:
+            signal.raise_signal(number)
+        except KeyboardInterrupt:
+            raise SystemError("returned a result with an exception set") from None
+        return formulate(*given)
+
+    monkeypatch.setattr(module, "formulate", in_casadi)
+    before = signal.getsignal(number)
+    with pytest.raises(KeyboardInterrupt):
+        inverse.solve(task())
+    assert signal.getsignal(number) is before
+    (tmp_path / "dome.yaml").write_text(TASK)
+    assert cli.run(["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out")]) == 3
+    assert capsys.readouterr().err == "interrupted before anything was written\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_second_signal_ends_at_once() -> None:
+    stop = threading.Event()
+
+    def work() -> None:
+        with interrupts.held(stop):
+            signal.raise_signal(signal.SIGTERM)
+            assert stop.is_set()
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except KeyboardInterrupt:
+                raise NotImplementedError("Wrong number or type of arguments") from None
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+
+
+TASK = """\
+name: dome
+pattern: {size: [4, 4]}
+target: {height: "0.45 - 0.3*(x^2 + y^2)", domain: [[-1, 1], [-1, 1]]}
+"""
+PROGRAM = """\
+import sys
+from inverse.__main__ import main
+sys.modules["pyvista"] = None  # no pictures
+print("begun", flush=True)
+main()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_at_any_moment(number: signal.Signals, tmp_path: Path) -> None:
+    (tmp_path / "dome.yaml").write_text(TASK)
+    arguments = ["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out")]
+    moments = random.Random(number)
+    longest = 1.0
+    codes = []
+    for _ in range(20):
+        with subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        ) as process:
+            assert process.stdout is not None
+            process.stdout.readline()
+            began = time.monotonic()
+            time.sleep(moments.uniform(0, longest))
+            process.send_signal(number)
+            _, said = process.communicate(timeout=60)
+        codes.append(process.returncode)
+        assert process.returncode in (0, 3), said
+        assert "Traceback" not in said
+        assert "Exception ignored" not in said
+        if process.returncode == 0:  # over before the signal came
+            longest = min(longest, time.monotonic() - began)
+        elif process.returncode == 3:
+            assert "interrupted" in said
+    assert codes.count(3) >= 10
 
 
 def test_time_limit() -> None:
