@@ -131,6 +131,11 @@ class Runs:
             polished = goal.start(goal.model.points(polished))  # boxes around the states that have moved
         return polished if problem.violation(polished, parameters) <= verdict.BOUND else self._feasible[2]
 
+    @property
+    def best(self) -> FloatArray | None:
+        """The best iterate that was told, (n,), or None before the first one."""
+        return self._feasible[2] if self._feasible[2].size else None
+
     def _is_over(self, problem: Problem, attempt: Attempt, parameters: FloatArray, left: int) -> bool:
         solved = attempt.succeeded and problem.violation(attempt.variables, parameters) <= verdict.BOUND
         return solved or self.ends(attempt) or left <= 0

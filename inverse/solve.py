@@ -102,7 +102,7 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
         formulation,
     )  # fmt: skip
     if throw and ending != statuses.SOLVED:
-        raise SolveError(result) from control.failure
+        raise SolveError(result) from policy.error or control.failure
     return result
 
 
@@ -127,6 +127,8 @@ def _ending(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
     if policy.not_a_number is not None:
         name, element = policy.not_a_number
         return "not_a_number", [f"{name} at {element}"]
+    if policy.failure is not None:
+        return "failed", details
     if control.failure is not None:
         return "watch_failed", [f"{type(control.failure).__name__}: {control.failure}", *details]
     if control.stop.is_set():
@@ -148,7 +150,7 @@ def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
     goal, design = policy.formulation.goal, outcome.design
     problem, parameters = outcome.solution.problem, outcome.solution.parameters
     own = outcome.solution.variables, parameters
-    return {
+    report = {
         "converged": outcome.converged,
         "certified": outcome.certificate.certified,
         "fit": verdict.fit(goal, design),
@@ -167,3 +169,13 @@ def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
             "degrees_of_freedom": design.pattern.degrees_of_freedom,
         },
     }
+    return {name: _finite(value) for name, value in report.items()}
+
+
+def _finite(value: Any) -> Any:
+    """The same with None for what is not a finite number, as terms without a value are: JSON has no word for it."""
+    if isinstance(value, dict):
+        return {key: _finite(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

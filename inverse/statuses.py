@@ -34,6 +34,11 @@ ENDINGS: dict[str, Ending] = {
         "the function that watches the iterations failed, the best design so far was kept: {details}",
         "Mend that function; what it raised is the cause of the error that throw=True raises.",
     ),
+    "failed": Ending(
+        "a step of the solve failed, the best design so far was kept: {details}",
+        "This is a fault of the program or of a term of your own, not of the task: report it with report.json, which "
+        "has the traceback.",
+    ),
     "not_a_number": Ending(
         "a term of the model is not a number: {details}",
         "This is a fault of the term, not of the solver: mend the objective or the target named here.",
