@@ -250,6 +250,50 @@ def test_what_a_later_step_raises_keeps_the_earlier_best(monkeypatch: pytest.Mon
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
+# ---- seeds that are the answer, or nearly
+
+
+def straight_tube(radius: Any) -> dict[str, Any]:
+    return {
+        "pattern": {"kind": "tube", "size": [6, 6]},
+        "target": {"axis": {"polyline": [[0, 0, 0], [0, 0, 6]]}, "radius": radius},
+    }
+
+
+NEAR_AT_HAND: dict[str, tuple[dict[str, Any], int]] = {
+    "a straight tube": (straight_tube(1), 0),
+    "a straight tube by nlopt": (straight_tube(1) | {"solver": {"method": "nlopt"}}, 0),
+    "a tube that hardly tapers": (straight_tube([[0, 1], [1, 1 + 1e-6]]), 50),
+    "nothing to fit": ({"objectives": {"fit": 0, "coverage": 0}}, 0),
+    "a plane": ({"target": {"height": "0", "domain": [[-1, 1], [-1, 1]]}}, 20),
+}
+
+
+@pytest.mark.parametrize("name", NEAR_AT_HAND)
+def test_a_seed_that_is_the_answer_is_found_at_once(name: str) -> None:
+    """Its gradient is rounding, which is no measure of others."""
+    keys, most = NEAR_AT_HAND[name]
+    result = inverse.solve(task(**keys))
+    assert result.ending == "solved"
+    assert steps(result) == ["start"]
+    assert result.report["iterations"] <= most
+    if most == 0:
+        assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
+
+
+def test_gradients_are_measured_by_the_seeds_where_it_is_far_from_its_target() -> None:
+    result = dome()
+    goal, formulation = result.formulation.goal, result.formulation
+    problem = Problem(goal.n_variables, formulation.objectives, formulation.fixed)
+    at_seed = np.abs(problem.objective_and_gradient(goal.seed_variables, problem.parameters())[1]).max()
+    assert verdict.gradient_scale(problem, goal) == at_seed
+
+
+def test_a_start_that_is_the_answer_may_be_stopped() -> None:
+    result = inverse.solve(task(**straight_tube(1), solver={"time_limit_s": 1e-9}))
+    assert result.ending == "solved"
+
+
 # ---- targets on the way
 
 
