@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+FAR = 100.0  # sizes of the mesh from the origin
+
 
 def triangles_of(faces_vertices: Sequence[Sequence[int]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Fans of triangles, (T, 3) int, and the facet of each, (T,) int, of convex facets."""
@@ -30,7 +32,13 @@ def crossing_facets(points: NDArray[np.float64], faces_vertices: Sequence[Sequen
     import igl.predicates  # loaded when used: the package itself must import fast
 
     triangles, facet = triangles_of(faces_vertices)
-    found, pairs, _ = igl.predicates.find_self_intersections(np.ascontiguousarray(points, np.float64), triangles)
+    points = np.ascontiguousarray(points, np.float64)
+    size = float(np.ptp(points, axis=0).max())
+    if np.abs(points[0]).max() > FAR * size > 0:
+        # Small beside their coordinates, as in a file that is normalized, facets that only meet seem to cross. Both
+        # the difference and the power of two are exact.
+        points = np.ldexp(points - points[0], -int(np.frexp(size)[1]))
+    found, pairs, _ = igl.predicates.find_self_intersections(points, triangles)
     if not found:
         return np.empty((0, 2), np.int64)
     facets = np.sort(facet[pairs], axis=1)

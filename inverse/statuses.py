@@ -51,6 +51,10 @@ ENDINGS: dict[str, Ending] = {
         "the solver converged, but the independent certificate refuses the design: {details}",
         "Turn the pattern (pattern.turn), take more facets, or narrow constraints.fold_angle.",
     ),
+    "too_far": Ending(
+        "the design is certified near the origin, but not where it stands, too far for numbers in a file: {details}",
+        "Subtract a point near by from all coordinates of the task.",
+    ),
     "iteration_limit": Ending(
         "the iterations ran out, the best design was kept: {details}",
         "Raise solver.max_iterations, or start again from this result.",

@@ -154,6 +154,7 @@ def test_where_nothing_works_the_seed_is_returned_and_not_called_converged(monke
     assert not result.converged
     assert result.report["reached"] == 0
     assert "not stationary" in result.status
+    assert "a path from the seed did not even come to 0.125 of the target's height" in result.status
     assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
 
 
@@ -204,6 +205,8 @@ def test_what_the_certificate_refuses_is_not_solved(monkeypatch: pytest.MonkeyPa
     assert result.converged
     assert not result.certified
     assert "FAILED" in result.status
+    assert result.report["reached"] == 0
+    assert "path" not in result.status  # how far one came is no cause of this
 
 
 # ---- steps that raise

@@ -31,7 +31,9 @@ class ParametricTarget(Target):
         box: ((a0, a1), (b0, b1)).
     """
 
-    def __init__(self, surface: casadi.Function, box: Sequence[Sequence[float]]) -> None:
+    _told_from = np.zeros(2)  # what messages add to parameters
+
+    def __init__(self, surface: casadi.Function, box: Sequence[Sequence[float]] | FloatArray) -> None:
         self.low, self.high = (np.array([side[k] for side in box], np.float64) for k in (0, 1))
         q, p = casadi.SX.sym("q", 2), casadi.SX.sym("p", 3)
         s = surface(q)
@@ -52,8 +54,9 @@ class ParametricTarget(Target):
         points = self.point(parameters)
         if not np.isfinite(points).all():
             bad = parameters[~np.isfinite(points).all(axis=1)][0]
+            bad = bad + self._told_from
             raise InputError(
-                f"the target has no value at ({bad[0]:g}, {bad[1]:g})",
+                f"the target has no value at ({bad[0]:.10g}, {bad[1]:.10g})",
                 hint="Choose a smaller domain, or an expression that is defined all over it.",
             )
         return parameters, points
@@ -175,14 +178,19 @@ class HeightTarget(ParametricTarget):
     Args:
         expression: height, see :func:`inverse.target.expression.parse`.
         domain: ((x0, x1), (y0, y1)).
+        origin: (3,) point of the expression's coordinates that the surface's are relative to.
     """
 
-    def __init__(self, expression: str, domain: Sequence[Sequence[float]]) -> None:
-        self.expression, self.domain = expression, domain
-        self.height = parse(expression)
-        q = casadi.SX.sym("q", 2)
+    def __init__(
+        self, expression: str, domain: Sequence[Sequence[float]], origin: Sequence[float] | FloatArray = (0.0, 0.0, 0.0)
+    ) -> None:
+        self.expression, self.domain, self.origin = expression, domain, origin
+        x0, y0, z0 = (float(k) for k in origin)
+        self._told_from = np.array([x0, y0])
+        x, y, q = casadi.SX.sym("x"), casadi.SX.sym("y"), casadi.SX.sym("q", 2)
+        self.height = casadi.Function("height", [x, y], [parse(expression)(x + x0, y + y0) - z0])
         surface = casadi.Function("surface", [q], [casadi.vertcat(q, self.height(q[0], q[1]))])
-        super().__init__(surface, domain)
+        super().__init__(surface, np.array(domain, np.float64) - self._told_from[:, None])
 
     @property
     def frame(self) -> Frame:
@@ -195,8 +203,9 @@ class HeightTarget(ParametricTarget):
 
     def flattened(self, share: float) -> HeightTarget:
         """See :meth:`Target.flattened`; a height stays a height."""
-        level = float(self.frame.origin[2])
-        return HeightTarget(f"({level!r}) + {share!r}*(({self.expression}) - ({level!r}))", self.domain)
+        level = float(self.frame.origin[2]) + float(self.origin[2])
+        lowered = f"({level!r}) + {share!r}*(({self.expression}) - ({level!r}))"
+        return HeightTarget(lowered, self.domain, self.origin)
 
     def residual(self, point: casadi.SX) -> casadi.SX:
         """Height difference along the normal, and how far the point lies outside the domain.
