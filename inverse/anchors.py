@@ -47,8 +47,13 @@ class PolylineAnchor:
         return PolylineAnchor(self.name, self.vertices, self.polyline, segments)
 
 
-def build(loaded: Loaded, model: DesignModel) -> tuple[list[Constraint], list[PolylineAnchor]]:
+def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[Constraint], list[PolylineAnchor]]:
     """Anchors as constraints; those on polylines apart, since their vertices may change segments.
+
+    Args:
+        loaded: the specification.
+        model: the model.
+        origin: (3,) point of the specification's coordinates that the model's are relative to.
 
     Raises:
         InputError: an anchor names no boundary or no vertex, several vertices share a point, a vertex is held
@@ -88,12 +93,12 @@ def build(loaded: Loaded, model: DesignModel) -> tuple[list[Constraint], list[Po
                 "Anchor fewer vertices, for example with `every: 2`.",
             )
         if anchor.to.polyline is not None:
-            sliding.append(_on_polyline(name, vertices, np.array(anchor.to.polyline), model))
+            sliding.append(_on_polyline(name, vertices, np.array(anchor.to.polyline) - origin, model))
         elif anchor.to.polygon is not None:
-            corners = np.array([*anchor.to.polygon, anchor.to.polygon[0]])
+            corners = np.array([*anchor.to.polygon, anchor.to.polygon[0]]) - origin
             sliding.append(_on_polyline(name, vertices, corners, model))
         else:
-            fixed.append(_fixed(name, vertices, anchor, model))
+            fixed.append(_fixed(name, vertices, anchor, model, origin))
     return fixed, sliding
 
 
@@ -139,17 +144,18 @@ def _rows(anchor: Anchor) -> int:
     return 3 if anchor.to.point is not None else 1 if anchor.to.plane is not None else 2
 
 
-def _fixed(name: str, vertices: IntArray, anchor: Anchor, model: DesignModel) -> Constraint:
+def _fixed(name: str, vertices: IntArray, anchor: Anchor, model: DesignModel, origin: FloatArray) -> Constraint:
     to = anchor.to
     if to.point is not None:
-        return constraints.on_point(model, name, vertices, np.array(to.point))
+        return constraints.on_point(model, name, vertices, np.array(to.point) - origin)
     if to.plane is not None:
         normal = np.array(to.plane.normal)
-        return constraints.on_plane(model, name, vertices, np.array(to.plane.point), normal / np.linalg.norm(normal))
+        point = np.array(to.plane.point) - origin
+        return constraints.on_plane(model, name, vertices, point, normal / np.linalg.norm(normal))
     if to.circle is None:
         raise InputError("an anchor needs one of point, polyline, polygon, plane, circle")
     return constraints.on_circle(
-        model, name, vertices, np.array(to.circle.center), np.array(to.circle.normal), to.circle.radius
+        model, name, vertices, np.array(to.circle.center) - origin, np.array(to.circle.normal), to.circle.radius
     )
 
 

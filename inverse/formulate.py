@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -24,7 +25,14 @@ from inverse.spec_footprint import FootprintLimits, State, radians
 from inverse.target import Target
 from inverse.target.tube import TubeTarget
 
+if TYPE_CHECKING:
+    from inverse.target.mesh import MeshTarget
+
 T = TypeVar("T")
+
+FAR = 100.0  # sizes of the target from the origin: what lies farther is solved from an origin of its own
+SLENDER = 1e5  # length of a tube over its width, or width over length: beyond, facets have no shape left in numbers
+NOWHERE = np.zeros(3)  # the origin of the specification itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +57,8 @@ class Formulation:
 def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     """Read what the specification names and build all terms.
 
+    A task far from the origin is moved to ``goal.origin``: large coordinates leave few digits for lengths.
+
     Args:
         loaded: the specification.
         share: of the target's heights over its plan; below 1 for a task on the way to it, with the same seed.
@@ -58,7 +68,10 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     """
     specification = loaded.specification
     target = build_target(loaded)
-    seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target))
+    origin = _origin(target)
+    if origin.any():
+        target = build_target(loaded, origin)
+    seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin))
     if isinstance(target, TubeTarget) and not (tube_fit.is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
         raise loaded.source.error(
             ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
@@ -66,7 +79,7 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
         )  # fmt: skip
     model = DesignModel(seed)
     surface = target if share == 1 else target.flattened(share)
-    goal = Goal(model, surface, specification.fit.points, _packed(loaded, model))
+    goal = Goal(model, surface, specification.fit.points, _packed(loaded, model), origin)
     for name in specification.objectives:
         if name not in objectives.OBJECTIVES:
             known = ", ".join(sorted(objectives.OBJECTIVES))
@@ -81,21 +94,44 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
         "fold_angle": _radians(limits.fold_angle),
     }
     fixed = constraints.hard_constraints(model, bounds)
-    anchored, sliding = anchors.build(loaded, model)
+    anchored, sliding = anchors.build(loaded, model, origin)
     packed = [constraint for state in goal.packed for constraint in state.constraints()]
     loops = _loops(loaded, model)
     free_range = None if limits.free_range is None else _radians(limits.free_range)
-    fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model), *packed]
+    fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model, origin), *packed]
     return Formulation(goal, terms, fixed, sliding, free_range)
 
 
-def build_target(loaded: Loaded) -> Target:
+def moved_back(loaded: Loaded, formulation: Formulation) -> Formulation:
+    """A formulation in the coordinates of its specification: the terms, which have no lengths, are the same."""
+    goal = formulation.goal
+    seed = goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin)
+    sliding = [replace(anchor, polyline=anchor.polyline + goal.origin) for anchor in formulation.sliding]
+    goal = replace(goal, model=DesignModel(seed), target=build_target(loaded), origin=NOWHERE)
+    return replace(formulation, goal=goal, sliding=sliding)
+
+
+def _origin(target: Target) -> FloatArray:
+    """Where coordinates begin, (3,): near the target, if that lies far from the specification's origin."""
+    frame = target.frame
+    size = max(frame.extent)
+    if np.abs(frame.origin).max() <= FAR * size:
+        return NOWHERE
+    step = 2.0 ** np.ceil(np.log2(size))  # a round number, so that what is near by is subtracted exactly
+    return np.asarray(np.round(frame.origin / step) * step)
+
+
+def build_target(loaded: Loaded, origin: FloatArray = NOWHERE) -> Target:
     """The target surface of a specification.
+
+    Args:
+        loaded: the specification.
+        origin: (3,) point of its coordinates that the surface's are relative to.
 
     Raises:
         InputError: with the place in the specification; a surface that reaches too far is refused here, whatever it is.
     """
-    target = _target(loaded)
+    target = _target(loaded, origin)
 
     def check() -> None:
         points, _ = target.triangles()
@@ -112,13 +148,13 @@ def build_target(loaded: Loaded) -> Target:
     return target
 
 
-def _target(loaded: Loaded) -> Target:
+def _target(loaded: Loaded, origin: FloatArray) -> Target:
     keys = loaded.specification.target
     if isinstance(keys, HeightKeys):
         from inverse.target.parametric import HeightTarget
 
         def make() -> Target:
-            target = HeightTarget(keys.height, keys.domain)
+            target = HeightTarget(keys.height, keys.domain, origin)
             target.triangles()  # refuses a height that has no value somewhere on its domain
             return target
 
@@ -126,48 +162,66 @@ def _target(loaded: Loaded) -> Target:
     if isinstance(keys, BetweenKeys):
         from inverse.target.parametric import BetweenTarget
 
-        curves = [np.array(curve) for curve in keys.between]
+        curves = [np.array(curve) - origin for curve in keys.between]
         return _within(loaded, ("target", "rise"), lambda: BetweenTarget(curves, keys.rise, keys.profile))
     if isinstance(keys, TubeKeys):
-        return _tube_target(loaded, keys)
-    from inverse.target.mesh import read_mesh
-
-    return _within(loaded, ("target", "mesh"), lambda: read_mesh(loaded.folder / keys.mesh))
+        return _tube_target(loaded, keys, origin)
+    return _within(loaded, ("target", "mesh"), lambda: _mesh(loaded.folder / keys.mesh, origin))
 
 
-def _tube_target(loaded: Loaded, keys: TubeKeys) -> Target:
+def _mesh(path: Path, origin: FloatArray) -> MeshTarget:
+    from inverse.target.mesh import MeshTarget, read_mesh
+
+    mesh = read_mesh(path)
+    if not origin.any():
+        return mesh
+    vertices, triangles = mesh.triangles()
+    return MeshTarget(vertices - origin, triangles)
+
+
+def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
     """A tube around an axis."""
     from inverse.target import around
     from inverse.target.axis import Axis, arc
     from inverse.target.expression import SPACE, parse
-    from inverse.target.mesh import read_mesh
 
     def axis() -> Axis:
         if keys.axis.arc is not None:
-            return arc(*keys.axis.arc)
-        points = keys.axis.spline or keys.axis.polyline or ()
+            return arc(*(np.array(keys.axis.arc) - origin))
+        points = np.array(keys.axis.spline or keys.axis.polyline) - origin
         return Axis(points, smooth=keys.axis.spline is not None)
 
     found = _within(loaded, ("target", "axis"), axis)
     if keys.mesh is not None:
         path = loaded.folder / keys.mesh
-        radius = _within(loaded, ("target", "mesh"), lambda: around.of_mesh(found, read_mesh(path)))
+        radius = _within(loaded, ("target", "mesh"), lambda: around.of_mesh(found, _mesh(path, origin)))
     elif keys.implicit is not None:
         value = parse(keys.implicit, SPACE, "implicit expression")
-        radius = _within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value))
+        radius = _within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value, origin))
     else:
         radius = np.array(keys.radius)
-    return TubeTarget(found, radius)
+    target = TubeTarget(found, radius)
+    length, width = target.frame.extent
+    if not 1 / SLENDER <= length / width <= SLENDER:
+        raise loaded.source.error(
+            ("target", "axis" if keys.radius is None else "radius"),
+            f"a tube with a mean radius of {width / 2:g} around an axis of length {length:g} cannot be made of "
+            f"facets: length and width may differ by a factor of {SLENDER:g} at most",
+            "Give the radius and the points of the axis in the same unit.",
+        )
+    return target
 
 
-def build_seed(loaded: Loaded, target: Target) -> Design:
-    """The seed, placed over the target's plan."""
+def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE) -> Design:
+    """The seed, placed over the target's plan; one that keeps its position is moved to the origin (3,)."""
     specification = loaded.specification
     pattern, unit, name = specification.pattern, specification.units, specification.name
     if isinstance(pattern, FilePattern):
         seed = fold_file.read(loaded.folder / pattern.file)
         seed = Design(seed.pattern, seed.vertices_coords, unit, name)
-        return seed if pattern.keep_position else placement.place_file(seed, target.frame, pattern.turn)
+        if pattern.keep_position:
+            return seed.moved_to(seed.vertices_coords - origin)
+        return placement.place_file(seed, target.frame, pattern.turn)
 
     if isinstance(pattern, TubePattern):
         steps, lengths = pattern.steps, pattern.lengths_v
@@ -205,7 +259,7 @@ def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:
     )
 
 
-def _keep_outs(loaded: Loaded, model: DesignModel) -> list[Constraint]:
+def _keep_outs(loaded: Loaded, model: DesignModel, origin: FloatArray) -> list[Constraint]:
     found = []
     for k, keep_out in enumerate(loaded.specification.constraints.keep_out):
         if keep_out.plane is not None:
@@ -214,7 +268,7 @@ def _keep_outs(loaded: Loaded, model: DesignModel) -> list[Constraint]:
             point, normal = np.array([0.0, 0.0, keep_out.below]), np.array([0.0, 0.0, 1.0])
         else:
             point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
-        found.append(constraints.keep_out(model, f"keep_out_{k}", point, normal))
+        found.append(constraints.keep_out(model, f"keep_out_{k}", point - origin, normal))
     return found
 
 

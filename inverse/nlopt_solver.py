@@ -88,7 +88,7 @@ class Solver:
         """How the run ends here, if it does."""
         lower, upper = self._problem.lower, self._problem.upper
         beyond = np.maximum(lower - place.rows, place.rows - upper)
-        steep = np.abs(place.gradient + place.jacobian.T @ multipliers).max() / (self._steepness or 1.0)
+        steep = np.abs(place.gradient + place.jacobian.T @ multipliers).max() / self._steepness
         feasible = bool((beyond <= np.where(lower == upper, EQUATION, BOUND)).all())
         if feasible and steep <= (max(FAIR, self._tolerance) if stalled else self._tolerance):
             return "Solve_Succeeded"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
@@ -34,12 +34,14 @@ class Goal:
         target: the target surface.
         fit_points: which points of the mesh are fitted.
         packed: states whose extents are measured or limited, with variables of their own.
+        origin: (3,) point of the specification's coordinates that those of model and target are relative to.
     """
 
     model: DesignModel
     target: Target
     fit_points: FitPoints
     packed: tuple[Packed, ...] = ()
+    origin: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     @property
     def n_variables(self) -> int:
@@ -111,10 +113,10 @@ def register(name: str, function: Callable[[casadi.SX], casadi.SX], default_weig
     @objective(name, default_weight)
     def build(goal: Goal) -> list[Elements]:
         model = goal.model
-        n = model.pattern.n_vertices
+        n, centre = model.pattern.n_vertices, model.centre + goal.origin
 
         def residual(q: casadi.SX, _: casadi.SX) -> casadi.SX:
-            points = casadi.reshape(q, 3, n).T * model.scale + casadi.repmat(casadi.DM(model.centre).T, n, 1)
+            points = casadi.reshape(q, 3, n).T * model.scale + casadi.repmat(casadi.DM(centre).T, n, 1)
             return casadi.vec(function(points))
 
         kernel = Kernel(name, residual, 3 * n)

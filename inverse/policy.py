@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import traceback
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -80,6 +81,8 @@ class Policy:
         seconds: spent on parts of the work.
         not_a_number: name and element of a term that has no value, where that ended the solve.
         reached: share of the target's heights that a path from the seed reached, where one was needed.
+        failure: name of the step that raised what no step should, and what that was, where it ended the solve.
+        error: the same as an exception.
     """
 
     loaded: Loaded
@@ -91,6 +94,8 @@ class Policy:
     )
     not_a_number: tuple[str, str] | None = None
     reached: float | None = None
+    failure: tuple[str, str] | None = None
+    error: Exception | None = None
 
     def run(self, variables: FloatArray | None, multipliers: FloatArray | None) -> Outcome:
         """Try one step after the other until one succeeds.
@@ -112,11 +117,22 @@ class Policy:
             self.seconds["start"] += time.perf_counter() - began
         best = self._solved("start", self.formulation, variables, multipliers)
         for step in (self._again, self._along_a_path, self._by_nlopt, self._restored):
-            if best.is_solved or self.control.stopped or self.not_a_number:
+            if best.is_solved or self._is_over:
                 break
-            outcome = step(best)
-            best = outcome.better(best) if outcome is not None else best
+            try:
+                outcome = step(best)
+            except Exception as error:  # the best design is not to be lost with it
+                self._fail(step.__name__.strip("_").replace("_", " "), error)
+            else:
+                best = outcome.better(best) if outcome is not None else best
+        if self.failure is not None:  # told whatever the design is worth
+            best.judgement["failed"].insert(0, "the step {} raised {}".format(*self.failure))
         return best
+
+    @property
+    def _is_over(self) -> bool:
+        """Whether no further step can help."""
+        return self.control.stopped or self.not_a_number is not None or self.failure is not None
 
     @property
     def _method(self) -> str:
@@ -130,7 +146,7 @@ class Policy:
     def _along_a_path(self, _: Outcome) -> Outcome | None:
         """From the seed by way of targets that are flatter, in steps as long as they succeed."""
         share, step, variables, outcome = 0.0, FIRST_SHARE, None, None
-        while share < 1 and step >= SHORTEST_SHARE and not self.control.stopped and not self.not_a_number:
+        while share < 1 and step >= SHORTEST_SHARE and not self._is_over:
             ahead = min(share + step, 1.0)
             on_the_way = formulate(self.loaded, ahead) if ahead < 1 else self.formulation
             found = self._solved(f"path, {ahead:.3g} of the target", on_the_way, variables)
@@ -180,7 +196,12 @@ class Policy:
 
     def _run(self, step: str, rounds: Rounds) -> Solution:
         began = time.perf_counter()
-        solution = rounds.run()
+        try:
+            solution = rounds.run()
+        except Exception as error:  # the best iterate is not to be lost with it
+            self.attempts += [{"step": step} | attempt for attempt in rounds.runs.attempts]
+            self._fail(step, error)
+            return rounds.abandoned()
         self.seconds["build"] += rounds.runs.seconds_building
         self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
         self.attempts += [{"step": step} | attempt for attempt in rounds.runs.attempts]
@@ -234,6 +255,12 @@ class Policy:
             return None  # the seed is better than what failed already
         points = own.points(solution.variables)
         return goal.start(coarse.spread(own.seed, points, goal.model.seed))
+
+    def _fail(self, step: str, error: Exception) -> None:
+        """End the solve with what a step raised."""
+        self.failure, self.error = (step, f"{type(error).__name__}: {error}"), error
+        self._record(*self.failure)
+        self.attempts[-1]["traceback"] = traceback.format_exception(error)
 
     def _record(self, step: str, ended: str) -> None:
         self.attempts.append({"step": step, "method": step, "ended": ended, "iterations": 0})

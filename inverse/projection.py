@@ -26,6 +26,8 @@ class LeastMove:
     takes care of it. A positive definite matrix is factorized in a symmetric order without pivoting, four times
     faster than the system of moves and multipliers together.
 
+    Made by :meth:`of`, which knows of Jacobians that have no factors.
+
     Args:
         jacobian: (R, n) J.
         order: (R,) int, an order of the rows in which the factors stay sparse, from an earlier Jacobian of the same
@@ -46,6 +48,14 @@ class LeastMove:
         how = "MMD_AT_PLUS_A" if order is None else "NATURAL"
         self._factors = splu(system.tocsc(), permc_spec=how, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         self.order: IntArray = np.argsort(self._factors.perm_c) if order is None else order
+
+    @classmethod
+    def of(cls, jacobian: sparse.csr_matrix, order: IntArray | None = None) -> LeastMove | None:
+        """The least move, or None where the factors do not exist: a slope that is no number, a pivot of zero."""
+        try:
+            return cls(jacobian, order)
+        except RuntimeError:  # SuperLU's word for both
+            return None
 
     def multipliers(self, gradient: FloatArray) -> FloatArray:
         """Multipliers (R,) with which the rows come nearest to balancing a gradient (n,)."""
@@ -85,7 +95,9 @@ def polish(problem: Problem, variables: FloatArray, parameters: FloatArray, *, s
         best, best_size = x, size
         if size < EXACT:
             break
-        least = LeastMove(jacobian[equations], order)
+        least = LeastMove.of(jacobian[equations], order)
+        if least is None:
+            break
         x, order = x - least(residual), least.order
     return best
 
@@ -110,10 +122,11 @@ def balanced(problem: Problem, variables: FloatArray, multipliers: FloatArray, p
     largest = float(np.abs(multipliers).max(initial=0.0))
     active = np.flatnonzero((problem.lower == problem.upper) | (np.abs(multipliers) > ACTIVE * largest))
     left = gradient + jacobian.T @ multipliers
-    if len(active) == 0 or not np.isfinite(left).all():
+    least = LeastMove.of(jacobian[active]) if len(active) and np.isfinite(left).all() else None
+    if least is None:
         return multipliers
     corrected = multipliers.copy()
-    corrected[active] += LeastMove(jacobian[active]).multipliers(left)
+    corrected[active] += least.multipliers(left)
     better = np.abs(gradient + jacobian.T @ corrected).max() < np.abs(left).max()
     return corrected if better else multipliers
 
@@ -150,6 +163,8 @@ class Projection:
         while True:
             chosen = np.concatenate([self._equations, held])
             least = self._least_move(jacobian[chosen], len(held))
+            if least is None:
+                return None
             # What the wish does to the held rows is taken back; rows off their bounds are brought there.
             off = rows[chosen] - self._bounds(rows, chosen)
             trial = self._corrected(x + wish - least(jacobian[chosen] @ wish + off), chosen, least)
@@ -175,19 +190,22 @@ class Projection:
                 return None
             if k % CHORDS == CHORDS - 1 or stuck:
                 _, jacobian = self._problem.rows_and_jacobian(x, self._parameters)
-                least = self._least_move(jacobian[chosen], len(chosen) - len(self._equations))
+                fresh = self._least_move(jacobian[chosen], len(chosen) - len(self._equations))
+                if fresh is None:
+                    return None
+                least = fresh
             x = x - least(residual)
             rows = self._problem.rows(x, self._parameters)
         return None
 
-    def _least_move(self, jacobian: sparse.csr_matrix, n_held: int) -> LeastMove:
+    def _least_move(self, jacobian: sparse.csr_matrix, n_held: int) -> LeastMove | None:
         """Factors for the equations and the bounds held besides; the order of the equations is found once."""
         if self._order is None:  # the first factors are those of the equations alone
-            least = LeastMove(jacobian)
-            self._order = least.order
+            least = LeastMove.of(jacobian)
+            self._order = None if least is None else least.order
             return least
         n = len(self._equations)
-        return LeastMove(jacobian, np.concatenate([self._order, np.arange(n, n + n_held)]))
+        return LeastMove.of(jacobian, np.concatenate([self._order, np.arange(n, n + n_held)]))
 
     def _bounds(self, rows: FloatArray, chosen: IntArray) -> FloatArray:
         """The bound that each of the chosen rows is nearest to."""

@@ -93,8 +93,15 @@ class Rounds:
 
     def unsolved(self) -> Solution:
         """The start as a solution that no solver has touched."""
+        return self._untouched(self.formulation.goal.seed_variables if self.start is None else self.start)
+
+    def abandoned(self) -> Solution:
+        """The best iterate as a solution, where the rounds broke off in the middle; the start if there is none."""
+        best = self.runs.best
+        return self.unsolved() if best is None else self._untouched(best)
+
+    def _untouched(self, x: FloatArray) -> Solution:
         goal = self.formulation.goal
-        x = goal.seed_variables if self.start is None else self.start
         problem, _ = self._problem(self.formulation.sliding, [])
         parameters = problem.parameters(objectives.refreshed(goal, goal.model.points(x)))
         return Solution(x, np.zeros(problem.n_rows), problem, parameters)

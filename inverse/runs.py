@@ -55,8 +55,7 @@ class Runs:
         """The solver of a problem."""
         if self.method == "ipopt":
             return self._ipopt(problem, self._report)
-        _, gradient = problem.objective_and_gradient(self.goal.seed_variables, problem.parameters())
-        steepness = float(np.abs(gradient).max())
+        steepness = verdict.gradient_scale(problem, self.goal)
         return nlopt_solver.Solver(problem, self.options.tolerance, steepness, self._report)
 
     def attempt(
@@ -71,8 +70,8 @@ class Runs:
     ) -> Attempt:
         """One round: come near, then fast steps; where they stall, exact ones from the point that they reached.
 
-        From a good start bounds that are far from active are left out. What goes wrong without them, or leaves
-        them, is done again with all.
+        A start that is the answer already stays as it is: solvers would leave it to come back. From a good start bounds
+        that are far from active are left out. What goes wrong without them, or leaves them, is done again with all.
 
         Args:
             solver: of the problem.
@@ -85,6 +84,9 @@ class Runs:
         Returns:
             The last run.
         """
+        settled = self._settled(problem, x, parameters)
+        if settled is not None:
+            return settled
         left = self.options.max_iterations
         if isinstance(solver, nlopt_solver.Solver):
             return self._recorded(solver.run(x, parameters, multipliers, left), REDUCED, False)
@@ -130,6 +132,20 @@ class Runs:
         if goal.packed:
             polished = goal.start(goal.model.points(polished))  # boxes around the states that have moved
         return polished if problem.violation(polished, parameters) <= verdict.BOUND else self._feasible[2]
+
+    @property
+    def best(self) -> FloatArray | None:
+        """The best iterate that was told, (n,), or None before the first one."""
+        return self._feasible[2] if self._feasible[2].size else None
+
+    def _settled(self, problem: Problem, x: FloatArray, parameters: FloatArray) -> Attempt | None:
+        """A run that ends where it starts, if nothing pulls the start anywhere and all constraints hold."""
+        idle, violation = np.zeros(problem.n_rows), problem.violation(x, parameters)
+        pull = verdict.stationarity(problem, x, idle, parameters, self.goal)
+        if not (violation <= verdict.EQUATION and pull <= self.options.tolerance):
+            return None
+        self._report(Progress(0, problem.objective_and_gradient(x, parameters)[0], violation, x))
+        return self._recorded(Attempt(x, idle, "Solve_Succeeded", 0, 0.0, 0.0), "the start is stationary", False)
 
     def _is_over(self, problem: Problem, attempt: Attempt, parameters: FloatArray, left: int) -> bool:
         solved = attempt.succeeded and problem.violation(attempt.variables, parameters) <= verdict.BOUND

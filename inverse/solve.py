@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from inverse import statuses, verdict
+from inverse import fold_file, statuses, verdict
 from inverse.attempt import LIMIT
-from inverse.certify import Certificate
+from inverse.certify import Certificate, check_frame
 from inverse.control import Control, Watch
 from inverse.errors import InputError
-from inverse.formulate import Formulation, formulate
+from inverse.fold_format import frame_of
+from inverse.formulate import Formulation, formulate, moved_back
 from inverse.objectives import Goal
 from inverse.pattern import Design, FloatArray
-from inverse.policy import Outcome, Policy, reasons
+from inverse.policy import SHORTEST_SHARE, Outcome, Policy, reasons
 from inverse.redundancy import dependence
 from inverse.spec import Loaded
 
@@ -94,8 +95,15 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
             outcome = policy.run(None, None)
         else:
             outcome = policy.run(_variables(start, formulation.goal), start.multipliers)
+        report, was_certified = _report(policy, outcome), outcome.certificate.certified
+        if formulation.goal.origin.any():
+            outcome = _moved_back(outcome, formulation.goal.origin)
+            formulation = moved_back(loaded, formulation)
         ending, details = _ending(policy, outcome)
-        report = _report(policy, outcome) | {"ending": ending}
+        if ending == "not_certified" and was_certified:
+            far = float(np.abs(outcome.design.vertices_coords).max())
+            ending, details = "too_far", [f"numbers of {far:.3g} are {np.spacing(far):.1g} apart", *details]
+        report |= {"ending": ending, "certified": outcome.certificate.certified}
         report["seconds"] = {"formulate": formulated - began} | policy.seconds
     result = Result(
         ending, statuses.sentence(ending, details), outcome.converged, outcome.certificate.certified,
@@ -104,8 +112,15 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
         formulation,
     )  # fmt: skip
     if throw and ending != statuses.SOLVED:
-        raise SolveError(result) from control.failure
+        raise SolveError(result) from policy.error or control.failure
     return result
+
+
+def _moved_back(outcome: Outcome, origin: FloatArray) -> Outcome:
+    """An outcome in the coordinates of the specification, certified there: what was solved was near to an origin."""
+    design = outcome.design.moved_to(outcome.design.vertices_coords + origin)
+    certificate = check_frame(frame_of(fold_file.document(design)))
+    return replace(outcome, design=design, certificate=certificate)
 
 
 def _variables(start: Result, goal: Goal) -> FloatArray:
@@ -129,14 +144,17 @@ def _ending(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
     if policy.not_a_number is not None:
         name, element = policy.not_a_number
         return "not_a_number", [f"{name} at {element}"]
+    if policy.failure is not None:
+        return "failed", details
     if control.failure is not None:
         return "watch_failed", [f"{type(control.failure).__name__}: {control.failure}", *details]
     if control.stop.is_set():
         return "interrupted", details
     if control.timed_out:
         return "time_limit", details
-    if policy.reached is not None and policy.reached < 1:
-        details = [*details, f"a path from the seed came to {policy.reached:.3g} of the target's height"]
+    if policy.reached is not None and policy.reached < 1 and not outcome.converged:
+        came = f"came to {policy.reached:.3g}" if policy.reached > 0 else f"did not even come to {SHORTEST_SHARE:.3g}"
+        details = [*details, f"a path from the seed {came} of the target's height"]
     if not outcome.is_feasible:
         return "infeasible", details
     if outcome.converged:
@@ -150,7 +168,7 @@ def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
     goal, design = policy.formulation.goal, outcome.design
     problem, parameters = outcome.solution.problem, outcome.solution.parameters
     own = outcome.solution.variables, parameters
-    return {
+    report = {
         "converged": outcome.converged,
         "certified": outcome.certificate.certified,
         "fit": verdict.fit(goal, design),
@@ -169,3 +187,13 @@ def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
             "degrees_of_freedom": design.pattern.degrees_of_freedom,
         },
     }
+    return {name: _finite(value) for name, value in report.items()}
+
+
+def _finite(value: Any) -> Any:
+    """The same with None for what is not a finite number, as terms without a value are: JSON has no word for it."""
+    if isinstance(value, dict):
+        return {key: _finite(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

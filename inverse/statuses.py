@@ -34,6 +34,11 @@ ENDINGS: dict[str, Ending] = {
         "the function that watches the iterations failed, the best design so far was kept: {details}",
         "Mend that function; what it raised is the cause of the error that throw=True raises.",
     ),
+    "failed": Ending(
+        "a step of the solve failed, the best design so far was kept: {details}",
+        "This is a fault of the program or of a term of your own, not of the task: report it with report.json, which "
+        "has the traceback.",
+    ),
     "not_a_number": Ending(
         "a term of the model is not a number: {details}",
         "This is a fault of the term, not of the solver: mend the objective or the target named here.",
@@ -45,6 +50,10 @@ ENDINGS: dict[str, Ending] = {
     "not_certified": Ending(
         "the solver converged, but the independent certificate refuses the design: {details}",
         "Turn the pattern (pattern.turn), take more facets, or narrow constraints.fold_angle.",
+    ),
+    "too_far": Ending(
+        "the design is certified near the origin, but not where it stands, too far for numbers in a file: {details}",
+        "Subtract a point near by from all coordinates of the task.",
     ),
     "iteration_limit": Ending(
         "the iterations ran out, the best design was kept: {details}",

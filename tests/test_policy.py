@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,7 +15,7 @@ from designs import assert_close
 from test_solve import assert_good, dome, task
 
 import inverse
-from inverse import fold_file, objectives, statuses
+from inverse import fold_file, objectives, statuses, verdict
 from inverse.assembly import Problem
 from inverse.attempt import LIMIT, Attempt
 from inverse.certify import check_frame
@@ -153,6 +154,7 @@ def test_where_nothing_works_the_seed_is_returned_and_not_called_converged(monke
     assert not result.converged
     assert result.report["reached"] == 0
     assert "not stationary" in result.status
+    assert "a path from the seed did not even come to 0.125 of the target's height" in result.status
     assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
 
 
@@ -203,6 +205,96 @@ def test_what_the_certificate_refuses_is_not_solved(monkeypatch: pytest.MonkeyPa
     assert result.converged
     assert not result.certified
     assert "FAILED" in result.status
+    assert result.report["reached"] == 0
+    assert "path" not in result.status  # how far one came is no cause of this
+
+
+# ---- steps that raise
+
+
+def test_what_a_step_raises_loses_no_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The measure of the fit breaks after the first round: its best iterate is kept, and the cause is told."""
+    fit_distances, called = verdict.fit_distances, []
+
+    def broken(goal: objectives.Goal, points: FloatArray) -> FloatArray:
+        called.append(points)
+        if len(called) == 1:
+            raise np.linalg.LinAlgError("Singular matrix")
+        return fit_distances(goal, points)
+
+    monkeypatch.setattr(verdict, "fit_distances", broken)
+    result = inverse.solve(task())
+    assert result.ending == "failed"
+    assert "the step start raised LinAlgError: Singular matrix" in result.status
+    assert result.certified
+    assert not result.converged
+    assert not result.interrupted
+    assert steps(result) == ["start"]
+    last = result.report["attempts"][-1]
+    assert last["ended"] == "LinAlgError: Singular matrix"
+    assert "in broken" in "".join(last["traceback"])
+    assert_close(result.design.vertices_coords, dome().design.vertices_coords, 1e-5)
+
+
+def test_what_a_later_step_raises_keeps_the_earlier_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    Failing(monkeypatch, 6)
+
+    def broken(*_: Any) -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr("inverse.policy.formulate", broken)
+    result = inverse.solve(task())
+    assert result.ending == "failed"
+    assert "the step along a path raised ZeroDivisionError: by zero" in result.status
+    assert result.certified
+    monkeypatch.setattr("inverse.rounds.Rounds.run", broken)
+    with pytest.raises(inverse.SolveError) as caught:
+        inverse.solve(task(), throw=True)
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+
+# ---- seeds that are the answer, or nearly
+
+
+def straight_tube(radius: Any) -> dict[str, Any]:
+    return {
+        "pattern": {"kind": "tube", "size": [6, 6]},
+        "target": {"axis": {"polyline": [[0, 0, 0], [0, 0, 6]]}, "radius": radius},
+    }
+
+
+NEAR_AT_HAND: dict[str, tuple[dict[str, Any], int]] = {
+    "a straight tube": (straight_tube(1), 0),
+    "a straight tube by nlopt": (straight_tube(1) | {"solver": {"method": "nlopt"}}, 0),
+    "a tube that hardly tapers": (straight_tube([[0, 1], [1, 1 + 1e-6]]), 50),
+    "nothing to fit": ({"objectives": {"fit": 0, "coverage": 0}}, 0),
+    "a plane": ({"target": {"height": "0", "domain": [[-1, 1], [-1, 1]]}}, 20),
+}
+
+
+@pytest.mark.parametrize("name", NEAR_AT_HAND)
+def test_a_seed_that_is_the_answer_is_found_at_once(name: str) -> None:
+    """Its gradient is rounding, which is no measure of others."""
+    keys, most = NEAR_AT_HAND[name]
+    result = inverse.solve(task(**keys))
+    assert result.ending == "solved"
+    assert steps(result) == ["start"]
+    assert result.report["iterations"] <= most
+    if most == 0:
+        assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
+
+
+def test_gradients_are_measured_by_the_seeds_where_it_is_far_from_its_target() -> None:
+    result = dome()
+    goal, formulation = result.formulation.goal, result.formulation
+    problem = Problem(goal.n_variables, formulation.objectives, formulation.fixed)
+    at_seed = np.abs(problem.objective_and_gradient(goal.seed_variables, problem.parameters())[1]).max()
+    assert verdict.gradient_scale(problem, goal) == at_seed
+
+
+def test_a_start_that_is_the_answer_may_be_stopped() -> None:
+    result = inverse.solve(task(**straight_tube(1), solver={"time_limit_s": 1e-9}))
+    assert result.ending == "solved"
 
 
 # ---- targets on the way
@@ -250,6 +342,16 @@ def test_a_term_that_is_not_a_number_is_named_at_once(function: Any) -> None:
     assert result.report["iterations"] == 0
     assert not result.converged
     assert_close(result.design.vertices_coords, result.seed.vertices_coords, 1e-9)
+
+
+def test_a_target_without_a_slope_is_told_in_numbers_or_not_at_all() -> None:
+    """A hemisphere and the plane around it: the root has no slope there, and JSON no word for what follows."""
+    flat = {"height": "sqrt(max(0, 1 - x^2 - y^2))", "domain": [[-1, 1], [-1, 1]]}
+    result = inverse.solve(task(target=flat))
+    assert result.ending == "not_a_number"
+    assert "fit at vertices" in result.status
+    assert json.dumps(result.report, allow_nan=False)
+    assert result.report["verdict"]["stationarity"] is None
 
 
 @pytest.mark.usefixtures("registered")

@@ -10,7 +10,7 @@ from inverse import constraints
 from inverse.assembly import Problem
 from inverse.model import Constraint, DesignModel
 from inverse.pattern import Design
-from inverse.projection import polish
+from inverse.projection import Projection, balanced, polish
 
 NAMES = ["miura", "eggbox", "hybrid", "polygonal", "two_holes"]
 
@@ -144,3 +144,19 @@ def test_equations_that_contradict_each_other() -> None:
     assert np.isfinite(x).all()
     assert np.abs(residual(problem, x)).max() <= np.abs(residual(problem, start)).max()
     assert np.abs(x - start).max() < 0.1
+
+
+def test_slopes_that_are_no_numbers_end_a_polish_and_a_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, problem = posed(eggbox())
+    x, parameters = moved(model, 1e-4), problem.parameters()
+    rows_and_jacobian = Problem.rows_and_jacobian
+
+    def broken(own: Problem, *at: np.ndarray) -> object:
+        rows, jacobian = rows_and_jacobian(own, *at)
+        return rows, np.nan * jacobian
+
+    monkeypatch.setattr(Problem, "rows_and_jacobian", broken)
+    assert_close(polish(problem, x, parameters), x, 0)
+    multipliers = np.ones(problem.n_rows)
+    assert_close(balanced(problem, x, multipliers, parameters), multipliers, 0)
+    assert Projection(problem, parameters).moved(x, 0 * x) is None

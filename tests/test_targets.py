@@ -257,3 +257,40 @@ def test_curves_that_are_refused() -> None:
 def test_a_height_without_a_value_is_refused() -> None:
     with pytest.raises(InputError, match=r"no value at \(-2, -2\)"):
         HeightTarget("sqrt(1 - x^2 - y^2)", [[-2, 2], [-2, 2]]).triangles()
+
+
+# ---- where the squared distance has no curvature, or the surface no slope
+
+
+def test_points_level_with_the_centre_of_a_sphere() -> None:
+    """The squared distance is linear in the plan there: the corner that is farthest that way is nearest."""
+    target = HeightTarget("sqrt(100 - x^2 - y^2)", [[-6, 6], [-6, 6]])
+    points = np.array([[6.0, 6, 0], [-3, 2, 0], [0.5, -7, 0], [0, 0, 0], [0, 0, 3], [0, 0, 25]])
+    corner = np.array([6, 6, np.sqrt(28)])
+    signs = np.array([[1, 1, 1], [-1, 1, 1], [1, -1, 1]])
+    expected = [*np.linalg.norm(points[:3] - corner * signs, axis=1), 10, 7, 15]
+    assert_close(target.distances(points), expected, 1e-12)
+    assert np.isfinite(target.closest(points).weights).all()
+
+
+def test_an_upright_border() -> None:
+    """A half-cylinder has no slope where it ends."""
+    target = HeightTarget("sqrt(1 - x^2)", [[-1, 1], [-1, 1]])
+    x, y, z = points = np.random.default_rng(6).uniform(-2, 2, (3, 400))
+    points = points.T
+    above = z > 0
+    # Inside the distance from the cylinder, below its edges that from the nearer one.
+    to_arc = np.where(above, np.hypot(x, z) - 1, np.hypot(np.abs(x) - 1, z))
+    expected = np.hypot(to_arc, np.maximum(np.abs(y) - 1, 0))
+    closest = target.closest(points)
+    assert_close(np.linalg.norm(points - closest.feet, axis=1), expected, 1e-3)
+    steep = np.abs(closest.feet[:, 0]) > 0.95
+    assert_close(np.linalg.norm(points - closest.feet, axis=1)[~steep], expected[~steep], 1e-10)
+    assert np.isfinite(closest.weights).all()
+
+
+def test_the_tip_of_a_cone() -> None:
+    target = HeightTarget("sqrt(x^2 + y^2)", [[-1, 1], [-1, 1]])
+    closest = target.closest(np.array([[0, 0, -1.0], [0.01, 0.02, -0.5]]))
+    assert_close(closest.feet, 0, 1e-9)
+    assert_close(closest.weights, np.tile(np.eye(3), (2, 1, 1)), 0)

@@ -57,6 +57,8 @@ TARGET = f"{AXIS}\n  {RADIUS}"
         (AXIS, "axis: {polyline: |[[0, 0, 0], [0, 0, 0]]}", "points 0 and 1 of this polyline"),
         (RADIUS, "radius: |[[0, 1], [0, 0.8]]", "the fractions of the profile must increase, but 0 follows 0"),
         (RADIUS, "radius: [[0, 1], [|1.5, 0.8]]", "target.radius.1.0 is 1.5: it must be at most 1"),
+        (RADIUS, "radius: |1.0e-9", "a tube with a mean radius of 1e-09 around an axis of length 3 cannot be made of"),
+        (RADIUS, "radius: |[[0, 1.0e+9], [1, 2.0e+9]]", "a tube with a mean radius of 1.5e+09 around an axis"),
         (RADIUS, "radius: |[[0, 1]]", "a profile needs two or more pairs [fraction, radius]"),
         (RADIUS, "implicit: |x^2 + w", "`w` at position 7 of the implicit expression is no variable or constant"),
         (RADIUS, "implicit: |x - 1", "the surface is not all around the axis at the fraction 0 of its length"),

@@ -40,19 +40,20 @@ def of_mesh(axis: Axis, mesh: MeshTarget) -> FloatArray:
     return _profile(axis, met)
 
 
-def of_implicit(axis: Axis, value: casadi.Function) -> FloatArray:
+def of_implicit(axis: Axis, value: casadi.Function, origin: FloatArray | None = None) -> FloatArray:
     """The profile of the surface f(x, y, z) = 0 around an axis: pairs (fraction of the length, mean distance), (S, 2).
 
     Args:
         axis: the centre line.
         value: f, of three numbers.
+        origin: (3,) point of the coordinates of f that the axis' are relative to, or None where they are the same.
 
     Raises:
         InputError: the surface is not around the axis somewhere along it.
     """
 
     def at(points: FloatArray) -> FloatArray:
-        x, y, z = points.reshape(-1, 3).T
+        x, y, z = (points.reshape(-1, 3) + (0.0 if origin is None else origin)).T
         values = np.asarray(value(x[None], y[None], z[None])).reshape(points.shape[:-1])
         return np.where(np.isfinite(values), values, np.nan)
 

@@ -8,6 +8,7 @@ from typing import Literal
 
 import casadi
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
@@ -16,6 +17,9 @@ from inverse.target.base import ClosestPoints, FloatArray, Frame, IntArray, Targ
 from inverse.target.expression import parse
 
 SAMPLES = 96  # per direction: starts of the closest-point search, pictures, areas
+FLAT = 1e-9  # of the squared slope: least curvature of the squared distance that steps are scaled by
+SETTLED = 1e-6  # a foot is where its point is seen straight above, to this angle in radians
+GAIN = 1e-9  # of the squared distance: by which another foot is to be nearer
 Profile = Literal["arc", "parabola", "catenary"]
 
 
@@ -27,7 +31,9 @@ class ParametricTarget(Target):
         box: ((a0, a1), (b0, b1)).
     """
 
-    def __init__(self, surface: casadi.Function, box: Sequence[Sequence[float]]) -> None:
+    _told_from = np.zeros(2)  # what messages add to parameters
+
+    def __init__(self, surface: casadi.Function, box: Sequence[Sequence[float]] | FloatArray) -> None:
         self.low, self.high = (np.array([side[k] for side in box], np.float64) for k in (0, 1))
         q, p = casadi.SX.sym("q", 2), casadi.SX.sym("p", 3)
         s = surface(q)
@@ -48,23 +54,46 @@ class ParametricTarget(Target):
         points = self.point(parameters)
         if not np.isfinite(points).all():
             bad = parameters[~np.isfinite(points).all(axis=1)][0]
+            bad = bad + self._told_from
             raise InputError(
-                f"the target has no value at ({bad[0]:g}, {bad[1]:g})",
+                f"the target has no value at ({bad[0]:.10g}, {bad[1]:.10g})",
                 hint="Choose a smaller domain, or an expression that is defined all over it.",
             )
         return parameters, points
 
     def closest(self, points: FloatArray) -> ClosestPoints:
-        """See :meth:`Target.closest`: the nearest sample, then Newton steps kept inside the rectangle."""
+        """See :meth:`Target.closest`: the nearest sample, then Newton steps kept inside the rectangle.
+
+        Where these come to no foot, as they may where the surface has no slope, from the closest point of the
+        triangles.
+        """
         parameters, samples = self._samples
-        q = parameters[cKDTree(samples).query(points)[1]]
+        q, value, is_foot = self._descended(parameters[cKDTree(samples).query(points)[1]], points)
+        lost = np.flatnonzero(~is_foot)
+        if len(lost):
+            again, lower, _ = self._descended(self._on_triangles(points[lost]), points[lost])
+            better = lower < (1 - GAIN) * value[lost]
+            q[lost[better]] = again[better]
+        return ClosestPoints(self.point(q), self._weights(q))
+
+    def _descended(self, q: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+        """Newton steps from parameters (N, 2), each lowering the distance from its point (N, 3).
+
+        Returns:
+            Parameters (N, 2), half the squared distances (N,) and whether (N,) they are stationary.
+        """
         value, gradient, hessian = self._evaluate(q, points)
+        # Without a slope there is no step: such a start stays where it is.
+        is_smooth = _are_finite(gradient, hessian)
+        gradient = np.where(is_smooth[:, None], gradient, 0.0)
+        hessian = np.where(is_smooth[:, None, None], hessian, np.eye(2))
         damping = np.full(len(q), 1e-12)
         for _ in range(60):
             at_low, at_high = q <= self.low, q >= self.high
             held = (at_low & (gradient > 0)) | (at_high & (gradient < 0))
             free_gradient = np.where(held, 0.0, gradient)
-            size = np.abs(hessian[:, [0, 1], [0, 1]]).max(axis=1)
+            # Seen from a centre of curvature the squared distance is flat: it has no size of its own there.
+            size = np.maximum(np.abs(hessian[:, [0, 1], [0, 1]]).max(axis=1), FLAT * self._steepness**2)
             matrix = np.where(held[:, :, None] | held[:, None, :], 0.0, hessian)
             # Shifted until positive definite: away from the surface the squared distance is not convex.
             lowest = np.linalg.eigvalsh(matrix)[:, 0]
@@ -74,7 +103,7 @@ class ParametricTarget(Target):
             step = -np.linalg.solve(matrix, free_gradient[..., None])[..., 0]
             trial = np.clip(q + step, self.low, self.high)
             new_value, new_gradient, new_hessian = self._evaluate(trial, points)
-            better = new_value <= value
+            better = (new_value <= value) & _are_finite(new_gradient, new_hessian)
             moved = np.abs(trial - q).max(initial=0.0)
             damping = np.where(better, np.maximum(damping / 10, 1e-12), np.maximum(damping * 100, 1e-6))
             q = np.where(better[:, None], trial, q)
@@ -83,7 +112,37 @@ class ParametricTarget(Target):
             hessian = np.where(better[:, None, None], new_hessian, hessian)
             if moved <= 1e-15 * np.abs(self.high - self.low).max():
                 break
-        return ClosestPoints(self.point(q), self._weights(q))
+        held = ((q <= self.low) & (gradient > 0)) | ((q >= self.high) & (gradient < 0))
+        left = np.abs(np.where(held, 0.0, gradient)).max(axis=1)
+        # The sine of the angle at which the point is seen off the normal, or a distance that is rounding.
+        is_foot = is_smooth & (left <= SETTLED * self._steepness * np.maximum(np.sqrt(2 * value), SETTLED * self._size))
+        return q, value, is_foot
+
+    def _on_triangles(self, points: FloatArray) -> FloatArray:
+        """Parameters (N, 2) of the places on the triangles that are closest to points (N, 3)."""
+        import igl  # loaded when used: the package itself must import fast
+
+        parameters, _ = self._samples
+        vertices, triangles = self.triangles()
+        _, facet, feet = igl.point_mesh_squared_distance(np.ascontiguousarray(points), vertices, triangles)
+        corners = triangles[np.asarray(facet).ravel()]
+        first = vertices[corners[:, 0]]
+        sides = vertices[corners[:, 1:]] - first[:, None]
+        # By the pseudo-inverse, since where the surface comes to a point triangles have no area.
+        shares = np.einsum("nk,nkj->nj", np.asarray(feet).reshape(-1, 3) - first, np.linalg.pinv(sides))
+        own = parameters[corners]
+        q = own[:, 0] + np.einsum("nj,njk->nk", shares, own[:, 1:] - own[:, :1])
+        return np.asarray(np.clip(q, self.low, self.high))
+
+    @cached_property
+    def _size(self) -> float:
+        """Diagonal of the box around the surface."""
+        return float(np.linalg.norm(np.ptp(self._samples[1], axis=0)))
+
+    @property
+    def _steepness(self) -> float:
+        """Length on the surface per change of a parameter, in the mean."""
+        return self._size / float(np.linalg.norm(self.high - self.low))
 
     def _evaluate(self, q: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         value, gradient, hessian = (np.asarray(k) for k in self._model(q.T, points.T))
@@ -92,15 +151,18 @@ class ParametricTarget(Target):
     def _weights(self, q: FloatArray) -> FloatArray:
         slopes = np.asarray(self._slopes(q.T)).T.reshape(-1, 2, 3)
         on_border = (q <= self.low) | (q >= self.high)
-        normal = np.cross(slopes[:, 0], slopes[:, 1])
-        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        # On a border of constant a the tangent along it is the slope in b, and the other way round.
-        along = np.where(on_border[:, :1], slopes[:, 1], slopes[:, 0])
-        along /= np.linalg.norm(along, axis=1, keepdims=True)
-        inside = normal[:, :, None] * normal[:, None, :]
-        border = np.eye(3) - along[:, :, None] * along[:, None, :]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            normal = np.cross(slopes[:, 0], slopes[:, 1])
+            normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+            # On a border of constant a the tangent along it is the slope in b, and the other way round.
+            along = np.where(on_border[:, :1], slopes[:, 1], slopes[:, 0])
+            along /= np.linalg.norm(along, axis=1, keepdims=True)
+            inside = normal[:, :, None] * normal[:, None, :]
+            border = np.eye(3) - along[:, :, None] * along[:, None, :]
         count = on_border.sum(axis=1)[:, None, None]
-        return np.where(count == 0, inside, np.where(count == 1, border, np.eye(3)))
+        weights = np.where(count == 0, inside, np.where(count == 1, border, np.eye(3)))
+        # Without a slope there is no tangent plane: the distance from the foot itself.
+        return np.where(np.isfinite(weights).all(axis=(1, 2), keepdims=True), weights, np.eye(3))
 
     def triangles(self) -> tuple[FloatArray, IntArray]:
         """See :meth:`Target.triangles`: two triangles per sample cell."""
@@ -116,14 +178,19 @@ class HeightTarget(ParametricTarget):
     Args:
         expression: height, see :func:`inverse.target.expression.parse`.
         domain: ((x0, x1), (y0, y1)).
+        origin: (3,) point of the expression's coordinates that the surface's are relative to.
     """
 
-    def __init__(self, expression: str, domain: Sequence[Sequence[float]]) -> None:
-        self.expression, self.domain = expression, domain
-        self.height = parse(expression)
-        q = casadi.SX.sym("q", 2)
+    def __init__(
+        self, expression: str, domain: Sequence[Sequence[float]], origin: Sequence[float] | FloatArray = (0.0, 0.0, 0.0)
+    ) -> None:
+        self.expression, self.domain, self.origin = expression, domain, origin
+        x0, y0, z0 = (float(k) for k in origin)
+        self._told_from = np.array([x0, y0])
+        x, y, q = casadi.SX.sym("x"), casadi.SX.sym("y"), casadi.SX.sym("q", 2)
+        self.height = casadi.Function("height", [x, y], [parse(expression)(x + x0, y + y0) - z0])
         surface = casadi.Function("surface", [q], [casadi.vertcat(q, self.height(q[0], q[1]))])
-        super().__init__(surface, domain)
+        super().__init__(surface, np.array(domain, np.float64) - self._told_from[:, None])
 
     @property
     def frame(self) -> Frame:
@@ -136,8 +203,9 @@ class HeightTarget(ParametricTarget):
 
     def flattened(self, share: float) -> HeightTarget:
         """See :meth:`Target.flattened`; a height stays a height."""
-        level = float(self.frame.origin[2])
-        return HeightTarget(f"({level!r}) + {share!r}*(({self.expression}) - ({level!r}))", self.domain)
+        level = float(self.frame.origin[2]) + float(self.origin[2])
+        lowered = f"({level!r}) + {share!r}*(({self.expression}) - ({level!r}))"
+        return HeightTarget(lowered, self.domain, self.origin)
 
     def residual(self, point: casadi.SX) -> casadi.SX:
         """Height difference along the normal, and how far the point lies outside the domain.
@@ -206,6 +274,11 @@ class BetweenTarget(ParametricTarget):
         length = float(np.mean([abs((a1 - a0) @ y), abs((b1 - b0) @ y)]))
         points, areas = self.samples()
         return Frame(points.T @ areas / areas.sum(), np.stack([x, y, z]), (span, length))
+
+
+def _are_finite(gradient: FloatArray, hessian: FloatArray) -> NDArray[np.bool_]:
+    """Which of N evaluations, (N, 2) and (N, 2, 2), have slopes."""
+    return np.asarray(np.isfinite(gradient).all(axis=1) & np.isfinite(hessian).all(axis=(1, 2)))
 
 
 def _length_fraction(polyline: FloatArray) -> FloatArray:
