@@ -24,6 +24,7 @@ from inverse.target import Target
 from inverse.target.tube import TubeTarget
 
 T = TypeVar("T")
+OTHER_UNIT = "Choose a unit in which domain and height are neither huge nor tiny."
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +98,9 @@ def build_target(loaded: Loaded) -> Target:
         def make() -> Target:
             target = HeightTarget(keys.height, keys.domain)
             target.triangles()  # refuses a height that has no value somewhere on its domain
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                if not np.isfinite(target.frame.origin).all():
+                    raise InputError("areas of the target are beyond what a number can hold", hint=OTHER_UNIT)
             return target
 
         return _within(loaded, ("target", "height"), make)

@@ -281,6 +281,14 @@ def test_the_element_that_is_not_a_number_is_named() -> None:
     assert re.fullmatch(r"edge (\d+-11|11-\d+)", element)
 
 
+@pytest.mark.parametrize("name", ["fit", "fairness", "footprint"])
+@pytest.mark.parametrize("method", ["ipopt", "nlopt"])
+def test_a_weight_that_leaves_no_number_is_named(name: str, method: str) -> None:
+    result = inverse.solve(task(objectives={name: 1e308}, solver={"method": method}))
+    assert result.ending == "not_a_number"
+    assert f": {name} at all elements, for its weight is too large." in result.status
+
+
 # ---- units
 
 
