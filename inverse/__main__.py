@@ -15,11 +15,15 @@ def main() -> None:
     """Run the command line and exit with its code."""
     os.environ.update(dict.fromkeys(THREADS, "1"))
     stop = threading.Event()
-    code = 0
     try:
-        with interrupts.held(stop):  # what a handler raises amid imports is printed by whatever it meets
-            from inverse import cli
-        code = cli.interrupted() if stop.is_set() else cli.run(sys.argv[1:])
+        with interrupts.raised():
+            with interrupts.held(stop):  # what a handler raises amid imports is printed by whatever it meets
+                from inverse import cli
+            if stop.is_set():
+                raise KeyboardInterrupt
+            code = cli.run(sys.argv[1:])
+    except KeyboardInterrupt:
+        code = interrupts.told()
     finally:
         interrupts.ignore()
     sys.exit(code)

@@ -177,8 +177,6 @@ class Problem:
     def not_a_number(self, x: FloatArray, parameters: FloatArray) -> tuple[str, str] | None:
         """Name and element of a term whose value or derivatives are not finite, or None where all are."""
         start = len(self.objectives)
-        if not np.isfinite(parameters[:start]).all():
-            return "the weights", "the objectives"
         labels = [None] * start + [c.labels for c in self.constraints]
         for k, e in enumerate(self._elements):
             own = parameters[start : start + e.parameters.size].reshape(e.count, -1).T
@@ -192,6 +190,11 @@ class Problem:
             if columns:
                 names = labels[k]
                 return e.name, _vertices(e.variables[columns[0]]) if names is None else names[columns[0]]
+            if k < len(self.objectives):
+                largest = max(float(np.abs(v).max(initial=0.0)) for v in values)
+                with np.errstate(over="ignore"):
+                    if not np.isfinite(parameters[k] * e.count * largest**2):
+                        return e.name, "all elements, for its weight is too large"
         return None
 
     def excess(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
@@ -206,7 +209,8 @@ class Problem:
             e = objective.elements
             own = parameters[start : start + e.parameters.size].reshape(e.count, -1)
             squares = e.kernel.square.map(e.count)(x[e.variables].T, own.T)
-            values.append(float(weight * np.sum(np.asarray(squares)) / (e.count * e.kernel.n_residuals)))
+            with np.errstate(over="ignore", invalid="ignore"):  # told as what has no number
+                values.append(float(weight * np.sum(np.asarray(squares)) / (e.count * e.kernel.n_residuals)))
             start += e.parameters.size
         return values
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from inverse.repair import Repair
     from inverse.solve import Result
 
-CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 3
+CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
 
 app = App(
     name="inverse",
@@ -61,7 +61,7 @@ def solve(
         folder = report.output_folder(loaded.specification.name, out)
         context = report.read_context(loaded)
     if stop.is_set():
-        return interrupted()
+        return interrupts.told()
     with ExitStack() as folders:
         results = folders.enter_context(Results(folder))
         with _Watch() as watch:
@@ -194,14 +194,8 @@ def run(arguments: list[str]) -> int:
         print(f"error: {error}", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
-        return interrupted()
+        return interrupts.told()
     return result if isinstance(result, int) else 0
-
-
-def interrupted() -> int:
-    """Say that the user ended the run before it came to writing."""
-    print("interrupted before anything was written", file=sys.stderr)
-    return INTERRUPTED
 
 
 def _summary(result: Result, folder: Path) -> dict[str, object]:

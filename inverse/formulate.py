@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from inverse.target.mesh import MeshTarget
 
 T = TypeVar("T")
+OTHER_UNIT = "Choose a unit in which domain and height are neither huge nor tiny."
 
 FAR = 100.0  # sizes of the target from the origin: what lies farther is solved from an origin of its own
 SLENDER = 1e5  # length of a tube over its width, or width over length: beyond, facets have no shape left in numbers
@@ -156,6 +157,9 @@ def _target(loaded: Loaded, origin: FloatArray) -> Target:
         def make() -> Target:
             target = HeightTarget(keys.height, keys.domain, origin)
             target.triangles()  # refuses a height that has no value somewhere on its domain
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                if not np.isfinite(target.frame.origin).all():
+                    raise InputError("areas of the target are beyond what a number can hold", hint=OTHER_UNIT)
             return target
 
         return _within(loaded, ("target", "height"), make)

@@ -8,11 +8,13 @@ while such work goes on, and the flag is asked at places in between.
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+EXIT_CODE = 3
 
 
 @contextmanager
@@ -40,6 +42,12 @@ def raised() -> Iterator[None]:
     """Let every signal raise KeyboardInterrupt, and no other error come out after one."""
     with _heard(lambda: True):
         yield
+
+
+def told() -> int:
+    """Say on stderr that the user ended the program; the exit code for that."""
+    print("interrupted; no file was left half-written", file=sys.stderr)
+    return EXIT_CODE
 
 
 def ignore() -> None:

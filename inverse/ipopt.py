@@ -160,6 +160,7 @@ class Solver:
             functions = self._problem.functions
             options: dict[str, Any] = {
                 "print_time": False,
+                "show_eval_warnings": False,  # a step to where a term has no value is made shorter, and that is all
                 "calc_lam_p": False,
                 "calc_lam_x": False,
                 "iteration_callback": self._watch,

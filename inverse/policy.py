@@ -7,6 +7,8 @@ import traceback
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from inverse import coarse, fold_file, verdict
 from inverse.attempt import INFEASIBLE, INVALID_NUMBER
 from inverse.certify import Certificate, check_frame
@@ -221,14 +223,17 @@ class Policy:
         goal = (formulation or self.formulation).goal
         problem, parameters = solution.problem, solution.parameters
         began = time.perf_counter()
-        variables = polish(problem, solution.variables, parameters)
-        multipliers = balanced(problem, variables, solution.multipliers, parameters)
+        variables, multipliers = solution.variables, solution.multipliers
+        if not self.not_a_number:
+            variables = polish(problem, variables, parameters)
+            multipliers = balanced(problem, variables, multipliers, parameters)
         design = goal.model.design(variables)
         polished = time.perf_counter()
         certificate = check_frame(frame_of(fold_file.document(design)))
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished
-        judgement = verdict.judge(problem, variables, multipliers, parameters, goal)
+        with np.errstate(over="ignore", invalid="ignore"):  # figures that are no numbers are told as such
+            judgement = verdict.judge(problem, variables, multipliers, parameters, goal)
         judgement["failed"] += verdict.range_faults((formulation or self.formulation).free_range, certificate)
         objective, _ = problem.objective_and_gradient(variables, parameters)
         return Outcome(

@@ -49,7 +49,7 @@ def test_sound_designs_at_coordinates_of_a_national_grid_are_certified(name):
         assert certificate.certified, (offset, failures(certificate))
 
 
-@pytest.mark.parametrize("offset", [1e8, 1e9, 1e12, 1e17])
+@pytest.mark.parametrize("offset", [1e8, 1e9, 1e11])
 @pytest.mark.parametrize("name", DESIGNS)
 def test_coordinates_that_are_too_coarse_are_told(name, offset):
     certificate = _certificate(DESIGNS[name], offset)

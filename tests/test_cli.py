@@ -177,6 +177,48 @@ def test_a_spoiled_file_is_not_certified(tmp_path: Path, capsys: pytest.CaptureF
     assert "NOT certified" in printed
 
 
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (("", "objectives: {fairness: 1e308}\n"), "fairness at all elements, for its weight is too large"),
+        (("sqrt(4 - x^2 - y^2)", "sqrt(1 - x^2)"), "fit at vertex 0"),  # where it has no slope
+    ],
+)
+def test_a_term_without_a_number_is_told_and_written(
+    change: tuple[str, str], named: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    text = DOME.replace(*change) if change[0] else DOME + change[1]
+    (tmp_path / "dome.yaml").write_text(text + "fit: {points: vertices}\n")
+    code = cli.run(["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out"), "--json"])
+    printed, said = capfd.readouterr()
+    assert code == 1
+
+    def refuse(word: str) -> None:
+        raise AssertionError(f"{word} is no JSON")
+
+    summary = json.loads(printed, parse_constant=refuse)
+    assert named in summary["status"]
+    assert said.splitlines() == ["no pictures here"]
+    report = json.loads((tmp_path / "out" / "report.json").read_text(), parse_constant=refuse)
+    assert report["ending"] == "not_a_number"
+    assert None in report["objective"].values()
+    assert inverse.check(tmp_path / "out" / "design.fold").certified == report["certified"]
+
+
+@pytest.mark.parametrize(("height", "half"), [("1e200*x^2", 1), ("0", 1e-200), ("sqrt(1-x^2)", 1.001), ("x^0.5", 1)])
+def test_a_target_without_numbers_is_wrong_input(
+    height: str, half: float, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    domain = f"[[{-half}, {half}], [{-half}, {half}]]"
+    text = DOME.replace("sqrt(4 - x^2 - y^2)", height).replace("[[-1, 1], [-1, 1]]", domain)
+    (tmp_path / "dome.yaml").write_text(text)
+    assert cli.run(["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out")]) == 2
+    said = capfd.readouterr().err
+    assert "dome.yaml:6:11: " in said
+    assert len(said.splitlines()) == 4
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("arguments", [["solv"], ["solve"], ["check", "missing.fold"], ["solve", "missing.yaml"]])
 def test_misuse_is_wrong_input(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     code, _, error = run(arguments, capsys)
@@ -202,7 +244,7 @@ def test_the_schema_names_every_part(capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_threads_that_somebody_asks_for_change_no_bit(tmp_path: Path) -> None:
-    (tmp_path / "dome.yaml").write_text(DOME.replace("[6, 6]", "[20, 20]"))
+    (tmp_path / "dome.yaml").write_text(DOME.replace("[6, 6]", "[8, 8]"))
     code = "import sys; sys.modules['pyvista'] = None; from inverse.__main__ import main; main()"  # no pictures
     for count in ("1", "2"):
         threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), count)

@@ -383,6 +383,16 @@ def test_the_element_that_is_not_a_number_is_named() -> None:
     assert re.fullmatch(r"edge (\d+-11|11-\d+)", element)
 
 
+def test_a_weight_that_leaves_no_number_is_named() -> None:
+    """Specifications admit no such weight, scripts that make terms of their own may."""
+    model = DesignModel(inverse.seeds.grid((3, 4)))
+    elements = Elements("pull", Kernel("pull", lambda q, _: 1e3 * q, 3), model.variables_of(np.arange(20)[:, None]),
+                        np.empty((20, 0)))  # fmt: skip
+    for weight, found in ((1e280, None), (1e304, ("pull", "all elements, for its weight is too large"))):
+        problem = Problem(60, [Objective(elements, weight)], [edge_length(model, (0.5, 2))])
+        assert problem.not_a_number(model.seed_points.ravel(), problem.parameters()) == found
+
+
 # ---- units
 
 

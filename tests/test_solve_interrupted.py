@@ -128,7 +128,7 @@ def test_a_signal_before_there_is_a_design(
     assert signal.getsignal(number) is before
     (tmp_path / "dome.yaml").write_text(TASK)
     assert cli.run(["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out")]) == 3
-    assert capsys.readouterr().err == "interrupted before anything was written\n"
+    assert capsys.readouterr().err == "interrupted; no file was left half-written\n"
     assert not (tmp_path / "out").exists()
 
 
