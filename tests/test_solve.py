@@ -292,7 +292,7 @@ def test_vertices_that_are_held_where_they_coincide() -> None:
         ({"target": {"height": "log(x)", "domain": [[-1, 1], [-1, 1]]}}, r"no value at \(-1, -1\)"),
         ({"pattern": {"size": [4, 4], "v_lines": ["FL", "CFL", "FL"]}}, "double back"),
         ({"pattern": {"kind": "file", "file": "missing.fold"}}, "there is no such file"),
-        ({"target": {"mesh": "missing.obj"}}, "there is no such target mesh file"),
+        ({"target": {"mesh": "missing.obj"}}, "there is no such file"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_solved_is_refused(keys: dict[str, Any], match: str) -> None:

@@ -99,5 +99,5 @@ def test_specifications_name_surfaces(tmp_path: Path) -> None:
         assert isinstance(target, TubeTarget)
         assert_close(target.radii(np.array([0.0, 0.5, 1.0])), [1.0, 0.9, 0.8], 2e-3)
         assert formulate(loaded).goal.tube is not None
-    with pytest.raises(InputError, match="there is no such target mesh file"):
+    with pytest.raises(InputError, match="there is no such file"):
         build_target(from_mapping(mapping | {"target": {"axis": axis, "mesh": "missing.obj"}}, tmp_path))

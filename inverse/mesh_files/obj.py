@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -27,11 +28,10 @@ def read_obj(path: Path) -> Polygons:
     n_corners = 0
     for number, line in enumerate(text.split("\n"), 1):
         words = line.split("#", 1)[0].split()
-        where = f"{path}:{number}"
         if words[:1] == ["v"]:
-            vertices.append(_vertex(words[1:], line, where))
+            vertices.append(_vertex(words[1:], line, f"{path}:{number}"))
         elif words[:1] == ["f"]:
-            facets.append(_facet(words[1:], len(vertices), line, where))
+            facets.append(_facet(words[1:], len(vertices), line, f"{path}:{number}"))
             lines.append(number)
             n_corners += len(facets[-1])
             check_corners(n_corners, str(path))
@@ -54,7 +54,7 @@ def _vertex(words: list[str], line: str, where: str) -> list[float]:
         point = [float(word) for word in words[:3]]
     except ValueError:
         point = []
-    if len(point) != 3 or not np.isfinite(point).all():
+    if len(point) != 3 or not all(map(math.isfinite, point)):
         raise InputError(f"{line.strip()[:60]!r} is no vertex: three finite numbers are needed", where=where)
     return point
 
