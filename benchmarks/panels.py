@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 
 import inverse
-from inverse import seeds
-from inverse.fabricate.contacts import Contact, first_contacts, penetrations
-from inverse.fabricate.panels import Panels, panels
-from inverse.fabricate.panels_picture import panels_picture
-from inverse.fabricate.thickness import Thickness
-from inverse.pattern import Design
+from inverse.fabricate.panels.contacts import Contact, first_contacts, penetrations
+from inverse.fabricate.panels.panels import Panels, panels
+from inverse.fabricate.panels.picture import panels_picture
+from inverse.fabricate.panels.thickness import Thickness
+from inverse.origami import seeds
+from inverse.origami.pattern import Design
 
 VAULT = Path(__file__).parents[1] / "targets" / "vault.yaml"
 SECTION = [(1, 1, 2), (1, -1, 1), (-1, -1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 2)]

@@ -13,10 +13,12 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
-from inverse import geometry, objectives, verdict
-from inverse.assembly import Problem
-from inverse.formulate import Formulation
-from inverse.ipopt import OBJECTIVE_SCALE
+from inverse import objectives
+from inverse.formulation.formulate import Formulation
+from inverse.nlp.problem import Problem
+from inverse.origami import geometry
+from inverse.policy import verdict
+from inverse.solvers.ipopt import OBJECTIVE_SCALE
 
 LIMIT = 900.0  # seconds, of IPOPT with its own options
 

@@ -16,13 +16,15 @@ from typing import Any
 import numpy as np
 
 import inverse
-from inverse import constraints, fold_file, geometry
-from inverse.assembly import Problem
+from inverse import constraints
 from inverse.certify import check_frame
-from inverse.fold_format import frame_of
+from inverse.dragging import LIMITS
+from inverse.files import fold_file
+from inverse.files.fold_format import frame_of
 from inverse.model import DesignModel
-from inverse.projection import Projection
-from inverse.refine import LIMITS
+from inverse.nlp.problem import Problem
+from inverse.origami import geometry
+from inverse.solvers.projection import Projection
 
 SIZES = (16, 32, 64, 100)
 STEPS = 10

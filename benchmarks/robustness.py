@@ -102,7 +102,7 @@ def problem(number: int, sizes: tuple[int, int]) -> tuple[str, dict[str, Any], t
 
 def mesh_of(expression: str, domain: list[list[float]], path: Path) -> None:
     """Write a height as an OBJ of 40 x 40 quads."""
-    from inverse.target.parametric import HeightTarget
+    from inverse.surfaces.parametric import HeightTarget
 
     target = HeightTarget(expression, domain)
     x, y = (np.linspace(lo, hi, 41) for lo, hi in domain)

@@ -82,7 +82,7 @@ def compared(row: dict[str, Any], result: Any, attempts: list[dict[str, Any]], n
     """The references, and how many times slower they are (for moved targets: the fraction of the cold time)."""
     import inverse
     from benchmarks import references
-    from inverse.formulate import formulate
+    from inverse.formulation.formulate import formulate
 
     def task(size: int, height: str) -> Any:
         target = {"height": height, "domain": [[-0.6, 0.6], [-0.6, 0.6]]}

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 import inverse
-from inverse import geometry
-from inverse.pattern import B
+from inverse.origami import geometry
+from inverse.origami.pattern import B
 
 FAMILIES = {"Miura": ("FL", "FL"), "eggbox": ("CFL", "FL")}
 HALF_CYLINDER = {"between": [[[-1, -1, 0], [-1, 1, 0]], [[1, -1, 0], [1, 1, 0]]], "rise": 1.0}

@@ -22,9 +22,11 @@ from typing import Any
 import numpy as np
 
 import inverse
-from inverse import constraints, cylinder_loop, formulate, pictures, redundancy
-from inverse.assembly import Problem
+from inverse import constraints, cylinder_loop, pictures
+from inverse.formulation import formulate
 from inverse.model import DesignModel
+from inverse.nlp import redundancy
+from inverse.nlp.problem import Problem
 from inverse.spec import from_mapping
 
 LENGTH, RADIUS, BEND = 6.0, 1.0, 0.9

@@ -12,17 +12,17 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from inverse import seeds as seeds
     from inverse.certify import Certificate as Certificate
     from inverse.certify import check as check
+    from inverse.dragging import refine as refine
     from inverse.errors import InputError as InputError
-    from inverse.fold_file import read as read
-    from inverse.fold_file import write as write
-    from inverse.folding import fold as fold
+    from inverse.files.fold_file import read as read
+    from inverse.files.fold_file import write as write
     from inverse.objectives import register as register_objective
-    from inverse.pattern import Design as Design
-    from inverse.pattern import Pattern as Pattern
-    from inverse.refine import refine as refine
+    from inverse.origami import seeds as seeds
+    from inverse.origami.folding import fold as fold
+    from inverse.origami.pattern import Design as Design
+    from inverse.origami.pattern import Pattern as Pattern
     from inverse.repair import Repair as Repair
     from inverse.repair import repair as repair
     from inverse.solve import Result as Result
@@ -38,21 +38,21 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Certificate": "certify",
-    "Design": "pattern",
+    "Design": "origami.pattern",
     "InputError": "errors",
-    "Pattern": "pattern",
+    "Pattern": "origami.pattern",
     "Repair": "repair",
     "Result": "solve",
     "SolveError": "solve",
     "check": "certify",
-    "fold": "folding",
+    "fold": "origami.folding",
     "from_mapping": "spec",
     "load": "spec",
-    "read": "fold_file",
-    "refine": "refine",
+    "read": "files.fold_file",
+    "refine": "dragging",
     "repair": "repair",
     "solve": "solve",
-    "write": "fold_file",
+    "write": "files.fold_file",
 }
 
 __all__ = [*sorted(_HOMES), "__version__", "register_objective", "seeds"]
@@ -72,7 +72,7 @@ sys.modules[__name__].__class__ = _Package
 
 def __getattr__(name: str) -> Any:
     if name == "seeds":
-        return import_module("inverse.seeds")
+        return import_module("inverse.origami.seeds")
     if name == "register_objective":
         return import_module("inverse.objectives").register
     if name in _HOMES:

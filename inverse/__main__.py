@@ -18,10 +18,10 @@ def main() -> None:
     try:
         with interrupts.raised():
             with interrupts.held(stop):  # what a handler raises amid imports is printed by whatever it meets
-                from inverse import cli
+                from inverse.cli import commands
             if stop.is_set():
                 raise KeyboardInterrupt
-            code = cli.run(sys.argv[1:])
+            code = commands.run(sys.argv[1:])
     except KeyboardInterrupt:
         code = interrupts.told()
     finally:

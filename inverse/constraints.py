@@ -7,10 +7,11 @@ from collections.abc import Callable
 import casadi
 import numpy as np
 
-from inverse import geometry
-from inverse.kernels import Elements, Kernel
-from inverse.model import Constraint, DesignModel
-from inverse.pattern import FloatArray, IntArray
+from inverse._types import FloatArray, IntArray
+from inverse.model import DesignModel
+from inverse.nlp.kernels import Elements, Kernel
+from inverse.nlp.term import Constraint
+from inverse.origami import geometry
 
 Range = tuple[float, float]
 

@@ -11,11 +11,8 @@ from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from inverse._types import BoolArray, FloatArray, IntArray
 
 Faces = tuple[tuple[int, ...], ...]
 

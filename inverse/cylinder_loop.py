@@ -24,13 +24,16 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
-from inverse import constraints, geometry
+from inverse import constraints
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
-from inverse.fillings import Filling, Quadrilateral, fillings, quadrilaterals
-from inverse.holes import boundary_loops, hole_strips
-from inverse.kernels import Elements, Kernel
-from inverse.model import Constraint, DesignModel
-from inverse.pattern import FloatArray, IntArray, Pattern
+from inverse.model import DesignModel
+from inverse.nlp.kernels import Elements, Kernel
+from inverse.nlp.term import Constraint
+from inverse.origami import geometry
+from inverse.origami.holes import boundary_loops, hole_strips
+from inverse.origami.pattern import Pattern
+from inverse.terms.fillings import Filling, Quadrilateral, fillings, quadrilaterals
 
 FITS = 1e-6  # of a seed's equations: a filling that it leaves further off is not one of its families
 

@@ -10,14 +10,18 @@ from typing import Literal
 import casadi
 import numpy as np
 
-from inverse import geometry, placement, tube_fit
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
-from inverse.kernels import Elements, Kernel
-from inverse.model import DesignModel, Objective
-from inverse.packed import Packed
-from inverse.pattern import B, FloatArray, IntArray
-from inverse.target import Target
-from inverse.target.tube import TubeTarget
+from inverse.model import DesignModel
+from inverse.nlp.kernels import Elements, Kernel
+from inverse.nlp.term import Objective
+from inverse.origami import geometry
+from inverse.origami.pattern import B
+from inverse.surfaces import Target
+from inverse.surfaces.tube import TubeTarget
+from inverse.terms import tube_fit
+from inverse.terms.packed import Packed
+from inverse.terms.rim import rim_places
 
 # Of the coverage: sixteenths of the model that a rim facet may move freely, factors of the pull within and beyond.
 SLACK, WEAK, STRONG = 0.5, 0.3, 3.0
@@ -224,7 +228,7 @@ def coverage(goal: Goal) -> list[Elements]:
     for sides in sorted({len(pattern.faces_vertices[f]) for f in rim}):
         facets = np.array([f for f in rim if len(pattern.faces_vertices[f]) == sides], np.int64)
         group = np.array([pattern.faces_vertices[f] for f in facets], np.int64)
-        places = model.to_dimensionless(placement.rim_places(model.seed, goal.target, facets))
+        places = model.to_dimensionless(rim_places(model.seed, goal.target, facets))
 
         def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
             offset = (_mean(q, k) - p) / model.refinement

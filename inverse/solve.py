@@ -8,17 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from inverse import fold_file, statuses, verdict
-from inverse.attempt import LIMIT
+from inverse._types import FloatArray
 from inverse.certify import Certificate, check_frame
-from inverse.control import Control, Watch
 from inverse.errors import InputError
-from inverse.fold_format import frame_of
-from inverse.formulate import Formulation, formulate, moved_back
+from inverse.files import fold_file
+from inverse.files.fold_format import frame_of
+from inverse.formulation.formulate import Formulation, formulate, moved_back
+from inverse.nlp.redundancy import dependence
 from inverse.objectives import Goal
-from inverse.pattern import Design, FloatArray
-from inverse.policy import SHORTEST_SHARE, Outcome, Policy, reasons
-from inverse.redundancy import dependence
+from inverse.origami.pattern import Design
+from inverse.policy import statuses, verdict
+from inverse.policy.control import Control, Watch
+from inverse.policy.steps import SHORTEST_SHARE, Outcome, Policy, reasons
+from inverse.solvers.run import LIMIT
 from inverse.spec import Loaded
 
 
@@ -27,7 +29,7 @@ class Result:
     """What a solve found, whether or not it is any good.
 
     Attributes:
-        ending: a word of :data:`inverse.statuses.ENDINGS`: ``solved``, or why not.
+        ending: a word of :data:`inverse.policy.statuses.ENDINGS`: ``solved``, or why not.
         status: the same as a sentence: how it ended and, unless certified and converged, what to do next.
         converged: stationary and feasible by our own test.
         certified: the independent certificate passes.

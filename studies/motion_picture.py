@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import inverse
-from inverse.fabricate.motion_frames import poses
+from inverse.fabricate.film.poses import poses
 from inverse.pictures import process_picture
 
 DEGREES = np.array([0.0, 45.0, 90.0, 135.0, 180.0])

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 import inverse
-from inverse.formulate import build_target
-from inverse.pattern import Design
+from inverse.formulation.formulate import build_target
+from inverse.origami.pattern import Design
 from inverse.pictures import process_picture
-from inverse.target.tube import TubeTarget
+from inverse.surfaces.tube import TubeTarget
 
 SHARES = (0.25, 0.5, 0.75, 1.0)  # of the bend and of the change of radius
 POINTS = np.linspace(0, 1, 25)

@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from inverse import certify, fold_file, seeds
+from inverse import certify
 from inverse.certify.measures import fold_halves
 from inverse.certify.mesh import build_mesh
-from inverse.fold_format import FoldFrame, read_frame
-from inverse.pattern import Design
+from inverse.files import fold_file
+from inverse.files.fold_format import FoldFrame, read_frame
+from inverse.origami import seeds
+from inverse.origami.pattern import Design
 
 FOUR_GON = [(1, 1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 1)]
 SIX_GON = [(1, 1, 2), (1, -1, 1), (-1, -1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 2)]
@@ -186,3 +188,8 @@ def four_facets(crossed: bool, sides: int) -> tuple[np.ndarray, list[list[int]]]
         return np.vstack([np.zeros(3), ends]), [[0, 1 + k, 1 + (k + 1) % 4] for k in range(4)]
     faces = [[0, 1 + k, 5 + k, 1 + (k + 1) % 4] for k in range(4)]
     return np.vstack([np.zeros(3), ends, ends + np.roll(ends, -1, axis=0)]), faces
+
+
+def opened_tube(section, n_rows, amount):
+    """A tube that closes in the design state and satisfies every condition but that of its loop."""
+    return generic(seeds.tube(section, n_rows), amount)

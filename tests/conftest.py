@@ -11,6 +11,8 @@ from typing import Any, NoReturn
 import pytest
 from hypothesis import settings
 
+from inverse import objectives
+
 # The same input gives the same verdict: property tests draw the same examples in every run.
 settings.register_profile("repeatable", derandomize=True)
 settings.load_profile("repeatable")
@@ -78,3 +80,12 @@ def browser(lacking: Callable[[str], NoReturn]) -> Iterator[Any]:
         running = playwright.chromium.launch(executable_path=chromium, args=CHROMIUM)
         yield running
         running.close()
+
+
+@pytest.fixture
+def registered() -> Iterator[dict[str, objectives.Term]]:
+    """What is registered; terms that a test adds go with it."""
+    before = dict(objectives.OBJECTIVES)
+    yield objectives.OBJECTIVES
+    objectives.OBJECTIVES.clear()
+    objectives.OBJECTIVES.update(before)

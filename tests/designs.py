@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from inverse import seeds
-from inverse.model import Constraint, DesignModel
-from inverse.pattern import CFL, FL, Design, Pattern
+from inverse.model import DesignModel
+from inverse.nlp.term import Constraint
+from inverse.origami import seeds
+from inverse.origami.pattern import CFL, FL, Design, Pattern
 
 # Closed sections of Tachi's isotropic cylinders, steps (n, a, length).
 SECTIONS = {

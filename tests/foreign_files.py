@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from designs import perturbed
 
-from inverse import constraints, folding, geometry
-from inverse.assembly import Problem
+from inverse import constraints
 from inverse.model import DesignModel
-from inverse.pattern import B, Design
-from inverse.projection import polish
+from inverse.nlp.problem import Problem
+from inverse.origami import folding, geometry
+from inverse.origami.pattern import B, Design
+from inverse.solvers.projection import polish
 
 
 def generic(design: Design, size: float = 0.05, seed: int = 1) -> Design:

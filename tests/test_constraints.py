@@ -21,11 +21,13 @@ from designs import (
     tube,
 )
 
-from inverse import constraints, folding, geometry
-from inverse.assembly import Problem
-from inverse.model import Constraint, DesignModel
-from inverse.pattern import Design
-from inverse.projection import polish
+from inverse import constraints
+from inverse.model import DesignModel
+from inverse.nlp.problem import Problem
+from inverse.nlp.term import Constraint
+from inverse.origami import folding, geometry
+from inverse.origami.pattern import Design
+from inverse.solvers.projection import polish
 
 BOUNDS = {"edge_length": (0.3, 3.0), "sector_angle": (0.2, np.pi - 0.2), "fold_angle": (0.3, 2.8)}
 DISKS = {

@@ -10,16 +10,18 @@ from designs import TUBES, assert_close, eggbox, holed, hybrid, miura, tube
 from scipy.spatial.distance import pdist
 from scipy.spatial.transform import Rotation
 
-from inverse import constraints, cylinder_loop, fold_file, geometry
-from inverse.assembly import Problem
+from inverse import constraints, cylinder_loop
 from inverse.certify import Certificate, check_frame
 from inverse.errors import InputError
-from inverse.fillings import fillings, quadrilaterals
-from inverse.fold_format import frame_of
-from inverse.holes import hole_strips
+from inverse.files import fold_file
+from inverse.files.fold_format import frame_of
 from inverse.model import DesignModel
-from inverse.pattern import FL, Design, FloatArray
-from inverse.redundancy import dependence, independent, redundant
+from inverse.nlp.problem import Problem
+from inverse.nlp.redundancy import dependence, independent, redundant
+from inverse.origami import geometry
+from inverse.origami.holes import hole_strips
+from inverse.origami.pattern import FL, Design, FloatArray
+from inverse.terms.fillings import fillings, quadrilaterals
 
 HOLES: dict[str, Callable[[], Design]] = {
     "one facet of a Miura": lambda: holed(miura, 5),

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import inverse
-from inverse import folding, geometry
 from inverse.context import facing_eaves, read_city_json
 from inverse.crossing import crossing_facets
-from inverse.pattern import FloatArray
+from inverse.origami import folding, geometry
+from inverse.origami.pattern import FloatArray
 
 pytestmark = pytest.mark.slow
 TARGETS = Path(__file__).parents[1] / "targets"

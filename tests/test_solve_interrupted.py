@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 import pytest
 from designs import assert_close
-from test_solve import assert_good, dome, task
+from domes import assert_good, dome, task
 
 import inverse
-from inverse import cli, interrupts, objectives
-from inverse.attempt import Progress
-from inverse.control import Watch
+from inverse import interrupts, objectives
+from inverse.cli import commands
+from inverse.policy.control import Watch
+from inverse.solvers.run import Progress
 
 
 class Told:
@@ -127,7 +128,7 @@ def test_a_signal_before_there_is_a_design(
         inverse.solve(task())
     assert signal.getsignal(number) is before
     (tmp_path / "dome.yaml").write_text(TASK)
-    assert cli.run(["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out")]) == 3
+    assert commands.run(["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out")]) == 3
     assert capsys.readouterr().err == "interrupted; no file was left half-written\n"
     assert not (tmp_path / "out").exists()
 

@@ -9,8 +9,8 @@ from designs import assert_close
 from scipy.optimize import brentq
 
 from inverse.errors import InputError
-from inverse.target import Target
-from inverse.target.parametric import BetweenTarget, HeightTarget
+from inverse.surfaces import Target
+from inverse.surfaces.parametric import BetweenTarget, HeightTarget
 
 SIDE = 0.6
 CAP = ("sqrt(1 - x^2 - y^2)", [[-SIDE, SIDE], [-SIDE, SIDE]])

@@ -10,8 +10,8 @@ import pytest
 from designs import holed
 
 import inverse
-from inverse.geometry import diagonal
-from inverse.ipopt import Solver
+from inverse.origami.geometry import diagonal
+from inverse.solvers.ipopt import Solver
 from inverse.spec import from_mapping
 
 STRAIGHT = {"polyline": [[0, 0, 0], [0, 0, 6]]}

@@ -2,7 +2,7 @@
 
 Nothing a file says about itself is believed, and nothing is shared with the code that made it but the reader
 of the file format and the exact predicates for crossing triangles: topology, signs, angles and the motion are
-derived anew, by formulas other than those of :mod:`inverse.folding`.
+derived anew, by formulas other than those of :mod:`inverse.origami.folding`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from inverse.certify.certificate import LIMITS, NOT_MEASURED, Certificate, Check
 from inverse.certify.measures import CFL, FL
 from inverse.certify.motion import Motion
 from inverse.certify.structure import examine
-from inverse.fold_format import FoldFrame, read_frame
+from inverse.files.fold_format import FoldFrame, read_frame
 
 __all__ = ["Certificate", "Check", "Loop", "check", "check_frame"]
 
@@ -29,7 +29,7 @@ def check(path: Path | str) -> Certificate:
         The verdict; a design that is wrong in whatever way gets a certificate that says so.
 
     Raises:
-        InputError: the file cannot be read as a design, see :func:`inverse.fold_format.read_frame`.
+        InputError: the file cannot be read as a design, see :func:`inverse.files.fold_format.read_frame`.
     """
     return check_frame(read_frame(Path(path)))
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from inverse._types import FloatArray, IntArray
 from inverse.certify.loops import cut_open
 from inverse.certify.measures import CFL, FL
-from inverse.certify.mesh import IntArray, Mesh
+from inverse.certify.mesh import Mesh
 from inverse.certify.structure import Structure
-from inverse.fold_format import FoldFrame
-
-FloatArray = NDArray[np.float64]
+from inverse.files.fold_format import FoldFrame
 
 ANGLE_TOLERANCE = 1e-6  # degrees
 LENGTH_TOLERANCE = 1e-7  # of the diagonal: flat states are cut from, not folded from

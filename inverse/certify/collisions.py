@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from inverse._types import FloatArray, IntArray
 from inverse.certify.certificate import Crossing, Measured
-from inverse.certify.mesh import IntArray
 from inverse.certify.motion import N_STATES, STATES_AT_ONCE, Motion
 from inverse.crossing import crossing_facets
-
-FloatArray = NDArray[np.float64]
 
 RESOLUTION = 0.01  # degrees, to which the first crossing is located
 # In a flat state all layers lie in one plane, and whether they cross is undecidable. Facets that meet in an edge

@@ -15,9 +15,10 @@ from itertools import pairwise
 import numpy as np
 from scipy.sparse.csgraph import breadth_first_order, dijkstra
 
+from inverse._types import IntArray
 from inverse.certify import dual_quaternions as dual
 from inverse.certify.certificate import Loop, Measured
-from inverse.certify.mesh import IntArray, Mesh, graph
+from inverse.certify.mesh import Mesh, graph
 from inverse.certify.motion import Motion
 
 N_SPOT_CHECKS = 41

@@ -7,12 +7,10 @@ however far from the origin and however small beside the design: differences of 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from inverse._types import FloatArray, IntArray
 from inverse.certify.certificate import LIMITS, Measured, told_apart
-from inverse.certify.mesh import IntArray, Mesh
-
-FloatArray = NDArray[np.float64]
+from inverse.certify.mesh import Mesh
 
 # Codes of the edge types as the certificate keeps them; UNKNOWN where the file says nothing usable.
 UNKNOWN, BOUNDARY, FL, CFL = -1, 0, 1, 2

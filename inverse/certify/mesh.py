@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from inverse._types import IntArray
 
 
 @dataclass(frozen=True, eq=False)

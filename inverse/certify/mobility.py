@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from inverse._types import IntArray
 from inverse.certify.loops import Strip
 from inverse.certify.measures import CFL
-from inverse.certify.mesh import IntArray, Mesh, components
+from inverse.certify.mesh import Mesh, components
 from inverse.certify.motion import Motion
 
 # Singular values below this part of the largest count as zero. Entries are exact to rounding; the motion

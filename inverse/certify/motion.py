@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from inverse._types import FloatArray, IntArray
 from inverse.certify import dual_quaternions as dual
 from inverse.certify.certificate import Measured
 from inverse.certify.measures import CFL
-from inverse.certify.mesh import IntArray, Mesh
-
-FloatArray = NDArray[np.float64]
+from inverse.certify.mesh import Mesh
 
 N_STATES = 65  # equispaced over 0..180 degrees: both flat states and the design state are among them
 STATES_AT_ONCE = 16  # bounds the memory

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from inverse._types import BoolArray, FloatArray, IntArray
 from inverse.certify.measures import BOUNDARY, CFL, FL, UNKNOWN, fold_halves
-from inverse.certify.mesh import BoolArray, IntArray, Mesh, build_mesh
-from inverse.fold_format import FoldFrame
-
-FloatArray = NDArray[np.float64]
+from inverse.certify.mesh import Mesh, build_mesh
+from inverse.files.fold_format import FoldFrame
 
 COINCIDENT = 1e-9  # of the diagonal
 SMALLEST_TURN = 1e-9  # radians, of a facet's boundary at each of its vertices

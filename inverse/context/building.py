@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from inverse._types import FloatArray, IntArray
 from inverse.context.triangles import triangulate
 from inverse.errors import InputError
-from inverse.pattern import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from inverse._types import FloatArray
 from inverse.context.building import Building, Context, Surface
 from inverse.context.city_objects import FARTHEST, MalformedError, buildings_of
 from inverse.errors import InputError
-from inverse.files import json_object, read_text
-from inverse.pattern import FloatArray
+from inverse.files.reading import json_object, read_text
 
 VERSIONS = ("1.1", "2.0")
 MAX_BYTES = 100_000_000

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from inverse._types import FloatArray
 from inverse.context.building import Building, Surface
-from inverse.pattern import FloatArray
 
 # Coordinates beyond this, in metres, are no place on Earth.
 FARTHEST = 1e9

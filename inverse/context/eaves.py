@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inverse._types import FloatArray
 from inverse.context.building import Building, Context, Surface
 from inverse.errors import InputError
-from inverse.pattern import FloatArray
 
 # An eave is level: it rises less than this per metre (a verge, the roof's sloping edge, rises more).
 _LEVEL = 0.05

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from inverse.pattern import FloatArray, IntArray
+from inverse._types import FloatArray, IntArray
 
 # Twice the area of a corner over its longest side squared, below which it counts as straight.
 _FLAT = 1e-9

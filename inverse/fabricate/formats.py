@@ -9,18 +9,20 @@ from typing import Literal
 
 import numpy as np
 
+from inverse._types import FloatArray
 from inverse.errors import InputError
-from inverse.fabricate import cutting, meshes, rhino
-from inverse.fabricate.crease_dxf import crease_dxf
-from inverse.fabricate.crease_fold import crease_fold
-from inverse.fabricate.crease_plan import crease_plan, layers_plan
-from inverse.fabricate.dashes import perforated
-from inverse.fabricate.motion import folding_amount
-from inverse.fabricate.pdf import pdf
-from inverse.fabricate.plan import Plan
-from inverse.fabricate.svg import svg
-from inverse.fabricate.thickness import Thickness
-from inverse.pattern import B, Design, FloatArray
+from inverse.fabricate import meshes, rhino
+from inverse.fabricate.cut.crease_plan import crease_plan, layers_plan
+from inverse.fabricate.cut.dashes import perforated
+from inverse.fabricate.cut.dxf import crease_dxf
+from inverse.fabricate.cut.fold import crease_fold
+from inverse.fabricate.cut.pdf import pdf
+from inverse.fabricate.cut.plan import Plan
+from inverse.fabricate.cut.svg import svg
+from inverse.fabricate.film.motion import folding_amount
+from inverse.fabricate.panels import cutting
+from inverse.fabricate.panels.thickness import Thickness
+from inverse.origami.pattern import B, Design
 from inverse.words import did_you_mean, printable
 
 

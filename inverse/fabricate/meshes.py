@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from inverse._types import FloatArray
 from inverse.fabricate.extras import needed
-from inverse.fabricate.panels import panels
+from inverse.fabricate.panels.panels import panels
+from inverse.fabricate.panels.thickness import Thickness
 from inverse.fabricate.parts import Part, panel_parts, surface_part
-from inverse.fabricate.thickness import Thickness
 from inverse.fabricate.units import metres, millimetres
-from inverse.pattern import Design, FloatArray
+from inverse.origami.pattern import Design
 from inverse.pictures import colours
 
 DESIGN_STATE = np.pi / 2

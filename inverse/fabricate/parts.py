@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from inverse import folding
+from inverse._types import FloatArray, IntArray
 from inverse.crossing import triangles_of
 from inverse.errors import InputError
-from inverse.fabricate.panels import Panels
-from inverse.pattern import Design, FloatArray, IntArray
+from inverse.fabricate.panels.panels import Panels
+from inverse.origami import folding
+from inverse.origami.pattern import Design
 
 _ROUNDING = 1e-9  # radians, by which a state may lie outside the range
 

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from inverse import geometry
+from inverse._types import FloatArray
 from inverse.errors import InputError
 from inverse.fabricate.extras import needed
 from inverse.fabricate.meshes import COLOURS, DESIGN_STATE, parts_of
+from inverse.fabricate.panels.thickness import Thickness
 from inverse.fabricate.parts import Part
-from inverse.fabricate.thickness import Thickness
-from inverse.pattern import Design, FloatArray
+from inverse.origami import geometry
+from inverse.origami.pattern import Design
 from inverse.pictures import colours
 
 _UNITS = {

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from inverse.pattern import FloatArray, IntArray
+from inverse._types import FloatArray, IntArray
 
 VIEW_ANGLE = 24.0  # degrees, vertical; a long lens, so that parallel lines stay nearly parallel
 

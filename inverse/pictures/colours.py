@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from inverse.pattern import CFL, FL, B, FloatArray, Pattern
+from inverse._types import FloatArray
+from inverse.origami.pattern import CFL, FL, B, Pattern
 
 Shades = tuple[str, str]  # the darkest and the brightest
 

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from inverse import geometry
-from inverse.files import write_atomically
-from inverse.pattern import CFL, Design, FloatArray, IntArray
+from inverse._types import FloatArray, IntArray
+from inverse.files.atomic import write_atomically
+from inverse.origami import geometry
+from inverse.origami.pattern import CFL, Design
 from inverse.pictures.colours import EDGE_COLOURS, INK, PAPER, edge_kinds
 from inverse.pictures.sheets import Sheet, lay_out, stacked
 

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from inverse import geometry
-from inverse.pattern import Design, FloatArray, IntArray
+from inverse._types import FloatArray, IntArray
+from inverse.origami import geometry
+from inverse.origami.pattern import Design
 from inverse.pictures import drawing
 from inverse.pictures.camera import basis, clear_view, perspective
 from inverse.pictures.rendering import render

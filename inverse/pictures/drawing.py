@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from inverse import geometry
-from inverse.pattern import FloatArray, IntArray, Pattern
+from inverse._types import FloatArray, IntArray
+from inverse.origami import geometry
+from inverse.origami.pattern import Pattern
 from inverse.pictures import colours
 from inverse.pictures.scene import Facets, Lines, cells_of
 

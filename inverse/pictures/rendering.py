@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from inverse.files import write_atomically
+from inverse.files.atomic import write_atomically
 from inverse.pictures.camera import VIEW_ANGLE, Camera
 from inverse.pictures.scene import Facets, Scene
 

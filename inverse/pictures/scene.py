@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from inverse.pattern import FloatArray, IntArray
+from inverse._types import FloatArray, IntArray
 from inverse.pictures.camera import Camera
 
 Colours = NDArray[np.uint8]

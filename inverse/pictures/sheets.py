@@ -16,8 +16,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 
-from inverse import folding, geometry
-from inverse.pattern import CFL, FL, Design, FloatArray, IntArray, Pattern
+from inverse._types import FloatArray, IntArray
+from inverse.origami import folding, geometry
+from inverse.origami.pattern import CFL, FL, Design, Pattern
 
 ComplexArray = NDArray[np.complex128]
 NEARLY = 0.01  # radians before the developed state

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from inverse import folding, geometry
-from inverse.pattern import CFL, FL, Design, FloatArray, Pattern
+from inverse._types import FloatArray
+from inverse.origami import folding, geometry
+from inverse.origami.pattern import CFL, FL, Design, Pattern
 from inverse.pictures import drawing
 from inverse.pictures.camera import basis, parallel
 from inverse.pictures.design_state import wished_view

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from inverse import fold_file
+from inverse._types import IntArray
 from inverse.certify import Certificate, check_frame
 from inverse.errors import InputError
-from inverse.fold_format import frame_of
-from inverse.pattern import CFL, FL, Design, IntArray
+from inverse.files import fold_file
+from inverse.files.fold_format import frame_of
+from inverse.origami.pattern import CFL, FL, Design
 from inverse.repair import grid, line_types
 from inverse.repair.assignments import foldings
 from inverse.repair.crease_pattern import angle_range, check_all_foldlines, folded, laid_out, snapped_at_best_state

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
-from inverse.pattern import Design, FloatArray, IntArray, Pattern
+from inverse.origami.pattern import Design, Pattern
 from inverse.repair.foreign import Pair, pair_of
 from inverse.repair.line_types import lines_of_edges, ring_angles
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from inverse import folding, geometry
 from inverse.crossing import crossing_facets
 from inverse.errors import InputError
-from inverse.pattern import FL, Design, Pattern
+from inverse.origami import folding, geometry
+from inverse.origami.pattern import FL, Design, Pattern
 from inverse.repair.assignments import Folding
 from inverse.repair.measures import laid_upon
 from inverse.repair.snap import Snapped, snapped

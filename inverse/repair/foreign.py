@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from inverse._types import FloatArray
 from inverse.errors import InputError
-from inverse.fold_format import EDGE_TYPES, array_of, edges_of, facets_of, read_document, words_of
+from inverse.files.fold_format import EDGE_TYPES, array_of, edges_of, facets_of, read_document, words_of
+from inverse.files.meshes import read_obj
 from inverse.limits import check_coordinates, check_extent
-from inverse.mesh_files import read_obj
-from inverse.pattern import FloatArray
 
 FORMATS = (".fold", ".obj")
 ASSIGNMENTS = ("B", "M", "V", "F", "U", "C")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from inverse._types import IntArray
 from inverse.errors import InputError
-from inverse.pattern import IntArray, Pattern
+from inverse.origami.pattern import Pattern
 from inverse.repair.foreign import Pair, pair_of
 from inverse.repair.line_types import words_of
 

@@ -8,9 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from inverse import geometry
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
-from inverse.pattern import CFL, EDGE_TYPE_NAMES, FL, Design, FloatArray, IntArray, Pattern
+from inverse.origami import geometry
+from inverse.origami.pattern import CFL, EDGE_TYPE_NAMES, FL, Design, Pattern
 from inverse.repair.foreign import Pair, pair_of
 
 # Radians: where the sector angles prefer one reading by less than this, mountain and valley decide.

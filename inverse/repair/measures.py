@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from inverse import geometry
-from inverse.pattern import FL, Design, FloatArray
+from inverse._types import FloatArray
+from inverse.origami import geometry
+from inverse.origami.pattern import FL, Design
 from inverse.repair.line_types import ring_angles
 
 

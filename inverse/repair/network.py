@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
-from inverse.pattern import FL, Design, FloatArray, IntArray, Pattern
+from inverse.origami.pattern import FL, Design, Pattern
 from inverse.repair.foreign import ForeignMesh, Pair, pair_of
 from inverse.repair.planar_graph import facets_of_graph
 

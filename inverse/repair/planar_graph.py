@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
-from inverse.pattern import FloatArray, IntArray
 from inverse.repair.foreign import Pair
 
 _NEAR = 1e-9  # of the size of the pattern: nearer than this a vertex lies on an edge

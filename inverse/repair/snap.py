@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from inverse import constraints, geometry
-from inverse.assembly import Problem
+from inverse import constraints
 from inverse.model import DesignModel
-from inverse.pattern import Design
-from inverse.projection import polish
+from inverse.nlp.problem import Problem
+from inverse.origami import geometry
+from inverse.origami.pattern import Design
+from inverse.solvers.projection import polish
 
 STAGE = 0.05  # radians or the like: the largest residual that one stage removes
 SETTLED = 1e-9  # a stage that leaves more has failed

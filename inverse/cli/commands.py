@@ -1,0 +1,253 @@
+"""The command line. Human words go to stderr, results to stdout; the exit code says how it went."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, CycloptsError, Parameter
+
+from inverse import interrupts
+from inverse.cli.export import export
+from inverse.cli.fold import fold
+from inverse.cli.terminal import Line
+from inverse.errors import InputError
+from inverse.files.atomic import json_text
+
+if TYPE_CHECKING:
+    from inverse.repair import Repair
+    from inverse.solve import Result
+    from inverse.solvers.run import Progress
+
+CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
+
+app = App(
+    name="inverse",
+    help="Design rigid-foldable structures backwards: from a target surface to a certified pattern.",
+    help_epilogue="Exit codes: 0 certified and converged, 1 ran but not both, 2 wrong input, 3 interrupted.",
+    version_flags=["--version"],
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
+)
+
+
+@app.command
+def solve(
+    specification: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    overrides: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Design a mesh for a target surface and certify it.
+
+    Args:
+        specification: YAML file; `inverse schema` describes it.
+        out: folder for the results, out/<name> by default.
+        overrides: changes a value of the specification, as key.path=value; may be repeated.
+        as_json: print the result as JSON.
+    """
+    stop = threading.Event()
+    with interrupts.held(stop):
+        from inverse import solve as run
+        from inverse import spec
+        from inverse.results import report
+        from inverse.results.folder import Results
+
+        loaded = spec.load(specification, overrides)
+        folder = report.output_folder(loaded.specification.name, out)
+        context = report.read_context(loaded)
+    if stop.is_set():
+        return interrupts.told()
+    with ExitStack() as folders:
+        results = folders.enter_context(Results(folder))
+        with _Watch() as watch:
+            result = run(loaded, watch)
+        if report.keeps_earlier(result, folder):
+            earlier, folder = folder, folder.absolute().with_name(f"{folder.absolute().name}.interrupted")
+            print(f"{earlier} keeps its certified design; that of this run goes to {folder}", file=sys.stderr)
+            results = folders.enter_context(Results(folder))
+        written = report.write(result, loaded, context, results)
+    for note in written.notes:
+        print(note, file=sys.stderr)
+    if as_json:
+        print(json_text(_summary(result, folder)))
+    else:
+        print(result.status if result.certified and result.converged else f"NOT DONE: {result.status}", file=sys.stderr)
+        fit = result.report["fit"]
+        print(f"fit       rms {fit['rms_relative']:.4%}, max {fit['max_relative']:.4%} of the diagonal "
+              f"(placed seed: rms {fit['start_rms_relative']:.2%})")  # fmt: skip
+        print(f"coverage  {result.report['coverage']:.1%} of the target")
+        spent = sum(result.report["seconds"][part] for part in ("start", "build", "solve"))
+        print(f"solving   {spent:.1f} s, {result.report['iterations']} iterations")
+        for path in report.files(folder):
+            print(f"wrote     {path}")
+    if result.interrupted or written.interrupted:
+        return INTERRUPTED
+    return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
+
+
+@app.command
+def check(design: Path, /, *, as_json: Annotated[bool, Parameter(name="--json", negative=())] = False) -> int:
+    """Certify a design file independently, trusting no claim in it.
+
+    Args:
+        design: FOLD file.
+        as_json: print the certificate as JSON.
+    """
+    from inverse import check as certify
+    from inverse.results.folder import settle
+
+    settle(design.parent)
+    certificate = certify(design)
+    if as_json:
+        print(json_text(certificate.document()))
+    else:
+        for one in certificate.checks.values():
+            print(one.sentence)
+        if certificate.free_range is not None:
+            low, high = certificate.free_range
+            print(f"free of crossings from t = {low:g} to {high:g} degrees")
+        for sentence in (one.sentence for some in (certificate.loops, certificate.crossings) for one in some):
+            print(sentence)
+        print("certified" if certificate.certified else "NOT certified")
+    return CERTIFIED if certificate.certified else NOT_CERTIFIED
+
+
+@app.command
+def repair(
+    pattern: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    u_lines: str | None = None,
+    v_lines: str | None = None,
+    far: Annotated[bool, Parameter(negative=())] = False,
+    as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
+) -> int:
+    """Snap somebody's pattern to the exact set and say how far it moved.
+
+    Args:
+        pattern: FOLD or OBJ file of a semi-folded state, or of a flat crease pattern, which is folded first.
+        out: folder for the results, out/<file name> by default.
+        u_lines: for a grid, FL or CFL for all interior lines crossed by walking along u, or a word for each,
+            separated by commas. Types are read from the file or deduced if neither is given.
+        v_lines: the same along v.
+        far: take a pattern although it is more than 0.1 rad off somewhere.
+        as_json: print the result as JSON.
+    """
+    from inverse import repair as run
+    from inverse.results import report
+    from inverse.results.folder import Results
+
+    folder = report.output_folder(pattern.stem, out)
+    with Results(folder) as results:
+        result = run(pattern, u_lines=u_lines, v_lines=v_lines, far=far)
+        written = report.write_repair(result, results)
+    for note in written.notes:
+        print(note, file=sys.stderr)
+    if as_json:
+        print(json_text(_repair_summary(result, folder)))
+    else:
+        done = result.certified and result.converged
+        print(result.status if done else f"NOT REPAIRED: {result.status}", file=sys.stderr)
+        for line in _repair_lines(result):
+            print(line)
+        for path in report.files(folder):
+            print(f"wrote     {path}")
+    if written.interrupted:
+        return INTERRUPTED
+    return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
+
+
+app.command(fold)
+app.command(export)
+
+
+@app.command
+def schema() -> int:
+    """Print the JSON schema of specifications."""
+    from inverse.spec import Specification
+
+    print(json_text(Specification.model_json_schema()))
+    return 0
+
+
+def main() -> None:
+    """What scripts call that were installed by earlier versions."""
+    from inverse.__main__ import main as program
+
+    program()
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command line; wrong input becomes a message and a code, never a traceback."""
+    try:
+        with interrupts.raised():
+            result = app(arguments, exit_on_error=False, print_error=True)
+    except CycloptsError:
+        return WRONG_INPUT
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        return interrupts.told()
+    return result if isinstance(result, int) else 0
+
+
+def _summary(result: Result, folder: Path) -> dict[str, object]:
+    return {
+        "ending": result.ending,
+        "status": result.status,
+        "certified": result.certified,
+        "converged": result.converged,
+        "out": str(folder),
+        "fit": result.report["fit"],
+        "coverage": result.report["coverage"],
+    }
+
+
+def _repair_lines(result: Repair) -> list[str]:
+    found = result.report
+    before, after, moved, types = (found[key] for key in ("before", "after", "moved", "line_types"))
+    unit = "" if result.design.unit == "unit" else f" {result.design.unit}"
+    lines = [f"{key:9} c_dev {errors['developability']:.2g} rad, c_ff {errors['flat_foldability']:.2g} rad, "
+             f"planarity {errors['planarity']:.2g} mean edges"
+             for key, errors in (("before", before), ("after", after))]  # fmt: skip
+    if found["state"] == "crease pattern":
+        low, high = found["folded_to"].values()
+        lines.append(f"folded    from {low:.0f} to {high:.0f} degrees, mountains and valleys "
+                     f"{found['mountains_and_valleys']}")  # fmt: skip
+    lines.append(f"moved     {moved['max']:.3g}{unit} at most, {moved['max_relative']:.2g} of the diagonal, at vertex "
+                 f"{moved['worst_vertex']}; rms {moved['rms']:.3g}{unit}")  # fmt: skip
+    numbers = [line["type"] for line in types["lines"]]
+    lines.append(f"lines     {numbers.count('FL')} FL, {numbers.count('CFL')} CFL: {types['found']}")
+    return lines
+
+
+def _repair_summary(result: Repair, folder: Path) -> dict[str, object]:
+    found = result.report
+    return {
+        "status": result.status,
+        "certified": result.certified,
+        "converged": result.converged,
+        "out": str(folder),
+        "before": found["before"],
+        "after": found["after"],
+        "moved": {key: value for key, value in found["moved"].items() if key != "vertices"},
+        "line_types": found["line_types"],
+    }
+
+
+class _Watch(Line):
+    """Shows the iterations on stderr."""
+
+    def __call__(self, phase: str, progress: Progress) -> None:
+        self.show(
+            f"{phase}, iteration {progress.iteration}: objective {progress.objective:.3e}, "
+            f"largest violation {progress.violation:.1e}"
+        )

@@ -1,0 +1,1 @@
+"""The motion as films and pages."""

@@ -1,0 +1,45 @@
+"""What is told about a thick structure: its range, and its contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from inverse.certify import check_frame
+from inverse.fabricate.panels.contacts import Contact, first_contacts, penetrations
+from inverse.fabricate.panels.panels import Panels
+from inverse.files import fold_file
+from inverse.files.fold_format import frame_of
+
+
+def report_lines(panels: Panels, states: int = 24) -> list[str]:
+    """Sentences about the range of a thick structure and who meets whom in it and beyond.
+
+    Args:
+        panels: the structure.
+        states: sampled over the range.
+
+    Raises:
+        InputError: manifold3d is missing.
+    """
+    low, high = np.degrees([panels.range.low, panels.range.high])
+    lines = [f"panels fold from t = {low:.5g} to {high:.5g} degrees"]
+    found = [contact for state in penetrations(panels, panels.range.states(states)) for contact in state]
+    if found:
+        worst = max(found, key=lambda contact: contact.volume)
+        lines.append(
+            f"panels penetrate each other in that range, the most {_who(panels, worst)}, "
+            f"by {worst.volume:.3g} cubic units"
+        )
+    else:
+        lines.append(f"no panels penetrate each other at {states} states of that range")
+    for contact, way in zip(first_contacts(panels, states), ("developed", "flat-folded"), strict=True):
+        told = "none" if contact is None else f"panels {_who(panels, contact)}"
+        lines.append(f"first contact towards the {way} state: {told}")
+    certificate = check_frame(frame_of(fold_file.document(panels.design)))
+    lines += [f"without thickness, {crossing.sentence}" for crossing in certificate.crossings]
+    return lines
+
+
+def _who(panels: Panels, contact: Contact) -> str:
+    one, other = (panels.names[facet] for facet in contact.facets)
+    return f"{one} and {other} at t = {np.degrees(contact.t):.5g} degrees"

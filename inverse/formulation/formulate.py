@@ -1,0 +1,317 @@
+"""From a specification to the parts of an optimization: target, placed seed, terms. Degrees end here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from inverse import constraints, cylinder_loop, objectives
+from inverse._types import FloatArray
+from inverse.errors import InputError
+from inverse.files import fold_file
+from inverse.formulation import anchors, placement
+from inverse.formulation.anchors import PolylineAnchor
+from inverse.limits import check_coordinates, check_extent
+from inverse.model import DesignModel
+from inverse.nlp.term import Constraint, Objective
+from inverse.objectives import Goal
+from inverse.origami import seeds
+from inverse.origami.pattern import Design
+from inverse.spec import BetweenTarget as BetweenKeys
+from inverse.spec import FilePattern, Loaded, TubePattern
+from inverse.spec import HeightTarget as HeightKeys
+from inverse.spec import TubeTarget as TubeKeys
+from inverse.spec.footprint import FootprintLimits, State, radians
+from inverse.surfaces import Target
+from inverse.surfaces.tube import TubeTarget
+from inverse.terms import tube_fit
+from inverse.terms.packed import Measure, Packed
+
+if TYPE_CHECKING:
+    from inverse.surfaces.mesh import MeshTarget
+
+T = TypeVar("T")
+OTHER_UNIT = "Choose a unit in which domain and height are neither huge nor tiny."
+
+FAR = 100.0  # sizes of the target from the origin: what lies farther is solved from an origin of its own
+SLENDER = 1e5  # length of a tube over its width, or width over length: beyond, facets have no shape left in numbers
+NOWHERE = np.zeros(3)  # the origin of the specification itself
+
+
+@dataclass(frozen=True, eq=False)
+class Formulation:
+    """What is solved.
+
+    Attributes:
+        goal: model, target and fitted points.
+        objectives: weighted terms.
+        fixed: constraints that stay as they are.
+        sliding: anchors on polylines.
+        free_range: (low, high) radians, the part of the motion in which no facets may cross; None if none is asked.
+    """
+
+    goal: Goal
+    objectives: list[Objective]
+    fixed: list[Constraint]
+    sliding: list[PolylineAnchor]
+    free_range: tuple[float, float] | None
+
+
+def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
+    """Read what the specification names and build all terms.
+
+    A task far from the origin is moved to ``goal.origin``: large coordinates leave few digits for lengths.
+
+    Args:
+        loaded: the specification.
+        share: of the target's heights over its plan; below 1 for a task on the way to it, with the same seed.
+
+    Raises:
+        InputError: with the place in the specification.
+    """
+    specification = loaded.specification
+    target = build_target(loaded)
+    origin = _origin(target)
+    if origin.any():
+        target = build_target(loaded, origin)
+    seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin))
+    if isinstance(target, TubeTarget) and not (tube_fit.is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
+        raise loaded.source.error(
+            ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
+            "Give a pattern of kind tube, or a file of one with bdffpq:grid.",
+        )  # fmt: skip
+    model = DesignModel(seed)
+    surface = target if share == 1 else target.flattened(share)
+    goal = Goal(model, surface, specification.fit.points, _packed(loaded, model), origin)
+    for name in specification.objectives:
+        if name not in objectives.OBJECTIVES:
+            known = ", ".join(sorted(objectives.OBJECTIVES))
+            raise loaded.source.error(
+                ("objectives", name), f"{name!r} is no objective: registered are {known}", at_key=True
+            )
+    terms = _within(loaded, ("fit",), lambda: objectives.build(goal, dict(specification.objectives)))
+    limits = specification.constraints
+    bounds = {
+        "edge_length": limits.edge_length,
+        "sector_angle": _radians(limits.sector_angle),
+        "fold_angle": _radians(limits.fold_angle),
+    }
+    fixed = constraints.hard_constraints(model, bounds)
+    anchored, sliding = anchors.build(loaded, model, origin)
+    packed = [constraint for state in goal.packed for constraint in state.constraints()]
+    loops = _loops(loaded, model)
+    free_range = None if limits.free_range is None else _radians(limits.free_range)
+    fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model, origin), *packed]
+    return Formulation(goal, terms, fixed, sliding, free_range)
+
+
+def moved_back(loaded: Loaded, formulation: Formulation) -> Formulation:
+    """A formulation in the coordinates of its specification: the terms, which have no lengths, are the same."""
+    goal = formulation.goal
+    seed = goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin)
+    sliding = [replace(anchor, polyline=anchor.polyline + goal.origin) for anchor in formulation.sliding]
+    goal = replace(goal, model=DesignModel(seed), target=build_target(loaded), origin=NOWHERE)
+    return replace(formulation, goal=goal, sliding=sliding)
+
+
+def _origin(target: Target) -> FloatArray:
+    """Where coordinates begin, (3,): near the target, if that lies far from the specification's origin."""
+    frame = target.frame
+    size = max(frame.extent)
+    if np.abs(frame.origin).max() <= FAR * size:
+        return NOWHERE
+    step = 2.0 ** np.ceil(np.log2(size))  # a round number, so that what is near by is subtracted exactly
+    return np.asarray(np.round(frame.origin / step) * step)
+
+
+def build_target(loaded: Loaded, origin: FloatArray = NOWHERE) -> Target:
+    """The target surface of a specification.
+
+    Args:
+        loaded: the specification.
+        origin: (3,) point of its coordinates that the surface's are relative to.
+
+    Raises:
+        InputError: with the place in the specification; a surface that reaches too far is refused here, whatever it is.
+    """
+    target = _target(loaded, origin)
+
+    def check() -> None:
+        points, _ = target.triangles()
+        check_coordinates(points, None)
+        check_extent(points, "the target", None)
+        along, across, _ = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+        if across < 1e-6 * along:
+            raise InputError(
+                f"the target is a line: {along / max(across, 1e-300):.2g} times as long as wide",
+                hint="Look for a wrong number in it: up to 1e6 is allowed.",
+            )
+
+    _within(loaded, ("target",), check)
+    return target
+
+
+def _target(loaded: Loaded, origin: FloatArray) -> Target:
+    keys = loaded.specification.target
+    if isinstance(keys, HeightKeys):
+        from inverse.surfaces.parametric import HeightTarget
+
+        def make() -> Target:
+            target = HeightTarget(keys.height, keys.domain, origin)
+            target.triangles()  # refuses a height that has no value somewhere on its domain
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                if not np.isfinite(target.frame.origin).all():
+                    raise InputError("areas of the target are beyond what a number can hold", hint=OTHER_UNIT)
+            return target
+
+        return _within(loaded, ("target", "height"), make)
+    if isinstance(keys, BetweenKeys):
+        from inverse.surfaces.parametric import BetweenTarget
+
+        curves = [np.array(curve) - origin for curve in keys.between]
+        return _within(loaded, ("target", "rise"), lambda: BetweenTarget(curves, keys.rise, keys.profile))
+    if isinstance(keys, TubeKeys):
+        return _tube_target(loaded, keys, origin)
+    return _within(loaded, ("target", "mesh"), lambda: _mesh(loaded.folder / keys.mesh, origin))
+
+
+def _mesh(path: Path, origin: FloatArray) -> MeshTarget:
+    from inverse.surfaces.mesh import MeshTarget, read_mesh
+
+    mesh = read_mesh(path)
+    if not origin.any():
+        return mesh
+    vertices, triangles = mesh.triangles()
+    return MeshTarget(vertices - origin, triangles)
+
+
+def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
+    """A tube around an axis."""
+    from inverse.surfaces import around
+    from inverse.surfaces.axis import Axis, arc
+    from inverse.surfaces.expression import SPACE, parse
+
+    def axis() -> Axis:
+        if keys.axis.arc is not None:
+            return arc(*(np.array(keys.axis.arc) - origin))
+        points = np.array(keys.axis.spline or keys.axis.polyline) - origin
+        return Axis(points, smooth=keys.axis.spline is not None)
+
+    found = _within(loaded, ("target", "axis"), axis)
+    if keys.mesh is not None:
+        path = loaded.folder / keys.mesh
+        radius = _within(loaded, ("target", "mesh"), lambda: around.of_mesh(found, _mesh(path, origin)))
+    elif keys.implicit is not None:
+        value = parse(keys.implicit, SPACE, "implicit expression")
+        radius = _within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value, origin))
+    else:
+        radius = np.array(keys.radius)
+    target = TubeTarget(found, radius)
+    length, width = target.frame.extent
+    if not 1 / SLENDER <= length / width <= SLENDER:
+        raise loaded.source.error(
+            ("target", "axis" if keys.radius is None else "radius"),
+            f"a tube with a mean radius of {width / 2:g} around an axis of length {length:g} cannot be made of "
+            f"facets: length and width may differ by a factor of {SLENDER:g} at most",
+            "Give the radius and the points of the axis in the same unit.",
+        )
+    return target
+
+
+def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE) -> Design:
+    """The seed, placed over the target's plan; one that keeps its position is moved to the origin (3,)."""
+    specification = loaded.specification
+    pattern, unit, name = specification.pattern, specification.units, specification.name
+    if isinstance(pattern, FilePattern):
+        seed = fold_file.read(loaded.folder / pattern.file)
+        seed = Design(seed.pattern, seed.vertices_coords, unit, name)
+        if pattern.keep_position:
+            return seed.moved_to(seed.vertices_coords - origin)
+        return placement.place_file(seed, target.frame, pattern.turn)
+
+    if isinstance(pattern, TubePattern):
+        steps, lengths = pattern.steps, pattern.lengths_v
+
+        def make_tube(factor: float, rows: FloatArray) -> Design:
+            return seeds.tube(
+                [(n, a, factor * length) for n, a, length in steps], pattern.size[1],
+                sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state, lengths=rows,
+                unit=unit, name=name,
+            )  # fmt: skip
+
+        rows = np.ones(pattern.size[1]) if lengths is None else np.array(lengths)
+        return placement.place_tube(make_tube, target.frame, lengths=rows, turn=float(np.radians(pattern.turn)))
+
+    def make(lengths_u: FloatArray, lengths_v: FloatArray) -> Design:
+        return seeds.grid(
+            pattern.size, pattern.u_lines, pattern.v_lines,
+            sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state,
+            lengths_u=lengths_u, lengths_v=lengths_v, unit=unit, name=name,
+        )  # fmt: skip
+
+    return placement.place_grid(
+        make, pattern.size, target.frame,
+        lengths=(pattern.lengths_u, pattern.lengths_v), turn=pattern.turn, start_size=pattern.start_size,
+    )  # fmt: skip
+
+
+def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:
+    """One strip around every hole that closes through the whole motion, or keeps its shape."""
+    asked = loaded.specification.constraints.loop
+    return _within(
+        loaded,
+        ("constraints", "loop") if asked else ("pattern",),
+        lambda: cylinder_loop.around_holes(model, asked or "exact"),
+    )
+
+
+def _keep_outs(loaded: Loaded, model: DesignModel, origin: FloatArray) -> list[Constraint]:
+    found = []
+    for k, keep_out in enumerate(loaded.specification.constraints.keep_out):
+        if keep_out.plane is not None:
+            point, normal = np.array(keep_out.plane.point), np.array(keep_out.plane.normal)
+        elif keep_out.below is not None:
+            point, normal = np.array([0.0, 0.0, keep_out.below]), np.array([0.0, 0.0, 1.0])
+        else:
+            point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
+        found.append(constraints.keep_out(model, f"keep_out_{k}", point - origin, normal))
+    return found
+
+
+def _packed(loaded: Loaded, model: DesignModel) -> tuple[Packed, ...]:
+    """The states that are measured by the objective or limited, one set of variables for each."""
+    specification = loaded.specification
+    measured, limited = specification.footprint, specification.constraints.footprint
+    uses: dict[State, tuple[Measure | None, FootprintLimits | None]] = {}
+    if specification.objectives.get("footprint", 0.0) > 0:
+        uses[measured.state] = measured.measure, None
+    if limited is not None:
+        uses[limited.state] = uses.get(limited.state, (None,))[0], limited
+    found: list[Packed] = []
+    for state, (measure, keys) in uses.items():
+        limits = np.full(2 if isinstance(state, str) else 3, np.inf)
+        area = np.inf
+        if keys is not None:
+            given = [np.inf if k is None else k for k in (keys.length, keys.width, keys.height)]
+            # No side is longer than the length: without this a box of length 5 could lie across a state of width 4.
+            limits = np.minimum.accumulate(given[: limits.size])
+            area = keys.area or np.inf
+        first = model.n_variables + sum(packed.n_variables for packed in found)
+        found.append(Packed(model, radians(state), measure, limits, area, first))
+    return tuple(found)
+
+
+def _radians(degrees: tuple[float, float]) -> tuple[float, float]:
+    return float(np.radians(degrees[0])), float(np.radians(degrees[1]))
+
+
+def _within(loaded: Loaded, key: tuple[str | int, ...], make: Callable[[], T]) -> T:
+    """Give an error from deeper down the place in the specification that caused it."""
+    try:
+        return make()
+    except InputError as error:
+        raise loaded.source.error(key, str(error).split("\n")[0], error.hint) from None

@@ -1,0 +1,1 @@
+"""A sparse nonlinear program from mapped kernels; no geometry."""

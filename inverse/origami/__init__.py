@@ -1,0 +1,1 @@
+"""A mesh, its seeds and its motion."""

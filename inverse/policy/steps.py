@@ -1,0 +1,279 @@
+"""What is tried, and in which order, until a design is certified and converged."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from inverse._types import FloatArray
+from inverse.certify import Certificate, check_frame
+from inverse.files import fold_file
+from inverse.files.fold_format import frame_of
+from inverse.formulation.formulate import Formulation, formulate
+from inverse.objectives import Goal
+from inverse.origami.pattern import Design
+from inverse.policy import coarse, verdict
+from inverse.policy.control import Control
+from inverse.policy.rounds import Rounds, Solution
+from inverse.solvers.ipopt import NEAR
+from inverse.solvers.projection import Projection, balanced, polish
+from inverse.solvers.run import INFEASIBLE, INVALID_NUMBER
+from inverse.spec import Loaded
+
+FIRST_SHARE = 0.25  # of the target's heights: where a path from the seed to the target begins
+SHORTEST_SHARE = 1 / 8  # steps of the path that fail are halved down to this
+NLOPT_LARGEST = 1500  # variables up to which the fallback has a chance to end within a minute
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Where one step of the policy ended, polished and judged.
+
+    Attributes:
+        solution: variables, multipliers, problem and parameters.
+        design: the design.
+        certificate: its independent certificate.
+        judgement: of :func:`inverse.policy.verdict.judge`.
+        violation: largest violation of a constraint row, dimensionless.
+        objective: weighted objective.
+    """
+
+    solution: Solution
+    design: Design
+    certificate: Certificate
+    judgement: dict[str, Any]
+    violation: float
+    objective: float
+
+    @property
+    def converged(self) -> bool:
+        """Stationary and feasible by our own test."""
+        return not self.judgement["failed"]
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether all constraints hold."""
+        return self.violation <= verdict.BOUND
+
+    @property
+    def is_solved(self) -> bool:
+        """Certified and converged."""
+        return self.converged and self.certificate.certified
+
+    @property
+    def _rank(self) -> tuple[bool, bool, float, float]:
+        return self.is_solved, self.certificate.certified, -max(self.violation, verdict.BOUND), -self.objective
+
+    def better(self, other: Outcome | None) -> Outcome:
+        """This one, unless the other is better."""
+        return self if other is None or self._rank > other._rank else other
+
+
+@dataclass(eq=False)
+class Policy:
+    """The steps of one solve.
+
+    Attributes:
+        loaded: the specification.
+        formulation: what it means.
+        control: ends the steps from outside.
+        attempts: every run of a solver and how it ended, for the report.
+        seconds: spent on parts of the work.
+        not_a_number: name and element of a term that has no value, where that ended the solve.
+        reached: share of the target's heights that a path from the seed reached, where one was needed.
+        failure: name of the step that raised what no step should, and what that was, where it ended the solve.
+        error: the same as an exception.
+    """
+
+    loaded: Loaded
+    formulation: Formulation
+    control: Control
+    attempts: list[dict[str, Any]] = field(default_factory=list)
+    seconds: dict[str, float] = field(
+        default_factory=lambda: dict.fromkeys(("start", "build", "solve", "polish", "certify"), 0.0)
+    )
+    not_a_number: tuple[str, str] | None = None
+    reached: float | None = None
+    failure: tuple[str, str] | None = None
+    error: Exception | None = None
+
+    def run(self, variables: FloatArray | None, multipliers: FloatArray | None) -> Outcome:
+        """Try one step after the other until one succeeds.
+
+        The first goes the straight way from the start. Those after it are for what that one could not do: leave a
+        place where a solver stalled, come to the target on a path of easier ones, or with another method; at last at
+        least the constraints are met.
+
+        Args:
+            variables: (n,) where to start, or None for the seed, or a coarser grid where the grid is fine.
+            multipliers: (R,) that belong to them, or None.
+
+        Returns:
+            The best outcome of all steps.
+        """
+        if variables is None:
+            began = time.perf_counter()
+            variables = self._from_coarse(self.loaded, self.formulation.goal)
+            self.seconds["start"] += time.perf_counter() - began
+        best = self._solved("start", self.formulation, variables, multipliers)
+        for step in (self._again, self._along_a_path, self._by_nlopt, self._restored):
+            if best.is_solved or self._is_over:
+                break
+            try:
+                outcome = step(best)
+            except Exception as error:  # the best design is not to be lost with it
+                self._fail(step.__name__.strip("_").replace("_", " "), error)
+            else:
+                best = outcome.better(best) if outcome is not None else best
+        if self.failure is not None:  # told whatever the design is worth
+            best.judgement["failed"].insert(0, "the step {} raised {}".format(*self.failure))
+        return best
+
+    @property
+    def _is_over(self) -> bool:
+        """Whether no further step can help."""
+        return self.control.stopped or self.not_a_number is not None or self.failure is not None
+
+    @property
+    def _method(self) -> str:
+        """The solver that was asked for."""
+        return self.loaded.specification.solver.method
+
+    def _again(self, best: Outcome) -> Outcome:
+        """From the best design, with all that was learnt about multipliers forgotten."""
+        return self._solved("again from the best", self.formulation, best.solution.variables)
+
+    def _along_a_path(self, _: Outcome) -> Outcome | None:
+        """From the seed by way of targets that are flatter, in steps as long as they succeed."""
+        share, step, variables, outcome = 0.0, FIRST_SHARE, None, None
+        while share < 1 and step >= SHORTEST_SHARE and not self._is_over:
+            ahead = min(share + step, 1.0)
+            on_the_way = formulate(self.loaded, ahead) if ahead < 1 else self.formulation
+            found = self._solved(f"path, {ahead:.3g} of the target", on_the_way, variables)
+            if found.is_solved:
+                share, step, variables, outcome = ahead, 2 * step, found.solution.variables, found
+            else:
+                step /= 2
+        self.reached = share
+        if outcome is None or share == 1:
+            return outcome
+        # The last design on the path, seen as one for the whole target.
+        return self._outcome(self._as_solution(outcome.solution.variables))
+
+    def _by_nlopt(self, best: Outcome) -> Outcome | None:
+        """With the other solver; not where IPOPT found each time that the constraints contradict each other."""
+        contradictory = all(a["ended"] == INFEASIBLE for a in self.attempts if "outcome" in a)
+        if self._method == "nlopt" or contradictory or best.solution.variables.size > NLOPT_LARGEST:
+            return None
+        start = best.solution.variables if best.is_feasible else None
+        return self._solved("nlopt", self.formulation, start, method="nlopt")
+
+    def _restored(self, best: Outcome) -> Outcome | None:
+        """Bring the best design within its constraints by equation (9), if it is not."""
+        if best.certificate.certified and best.is_feasible:
+            return None
+        one = best.solution
+        moved = Projection(one.problem, one.parameters).moved(one.variables, 0 * one.variables)
+        self._record("equation (9)", "within the constraints" if moved is not None else "no design found near by")
+        if moved is None:
+            return None
+        return self._outcome(Solution(moved, one.multipliers, one.problem, one.parameters))
+
+    def _solved(
+        self,
+        step: str,
+        formulation: Formulation,
+        variables: FloatArray | None,
+        multipliers: FloatArray | None = None,
+        method: str | None = None,
+    ) -> Outcome:
+        """One solve from a start, or the seed."""
+        options = self.loaded.specification.solver
+        rounds = Rounds(formulation, options, self.control, method or self._method, variables, multipliers)
+        outcome = self._outcome(self._run(step, rounds), formulation)
+        self.attempts[-1]["outcome"] = "; ".join(reasons(outcome)) or "certified and converged"
+        return outcome
+
+    def _run(self, step: str, rounds: Rounds) -> Solution:
+        began = time.perf_counter()
+        try:
+            solution = rounds.run()
+        except Exception as error:  # the best iterate is not to be lost with it
+            self.attempts += [{"step": step} | attempt for attempt in rounds.runs.attempts]
+            self._fail(step, error)
+            return rounds.abandoned()
+        self.seconds["build"] += rounds.runs.seconds_building
+        self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
+        self.attempts += [{"step": step} | attempt for attempt in rounds.runs.attempts]
+        if not rounds.runs.attempts:
+            self._record(step, INVALID_NUMBER)
+        if self.attempts[-1]["ended"] == INVALID_NUMBER:
+            self.not_a_number = solution.problem.not_a_number(solution.variables, solution.parameters)
+        return solution
+
+    def _as_solution(self, variables: FloatArray) -> Solution:
+        """Variables as a solution, without multipliers, of the task's own problem."""
+        rounds = Rounds(self.formulation, self.loaded.specification.solver, self.control, self._method, variables)
+        return rounds.unsolved()
+
+    def _outcome(self, solution: Solution, formulation: Formulation | None = None) -> Outcome:
+        """Polish, certify and judge."""
+        goal = (formulation or self.formulation).goal
+        problem, parameters = solution.problem, solution.parameters
+        began = time.perf_counter()
+        variables, multipliers = solution.variables, solution.multipliers
+        if not self.not_a_number:
+            variables = polish(problem, variables, parameters)
+            multipliers = balanced(problem, variables, multipliers, parameters)
+        design = goal.model.design(variables)
+        polished = time.perf_counter()
+        certificate = check_frame(frame_of(fold_file.document(design)))
+        self.seconds["polish"] += polished - began
+        self.seconds["certify"] += time.perf_counter() - polished
+        with np.errstate(over="ignore", invalid="ignore"):  # figures that are no numbers are told as such
+            judgement = verdict.judge(problem, variables, multipliers, parameters, goal)
+        judgement["failed"] += verdict.range_faults((formulation or self.formulation).free_range, certificate)
+        objective, _ = problem.objective_and_gradient(variables, parameters)
+        return Outcome(
+            Solution(variables, multipliers, problem, parameters),
+            design,
+            certificate,
+            judgement,
+            problem.violation(variables, parameters),
+            objective,
+        )
+
+    def _from_coarse(self, loaded: Loaded, goal: Goal) -> FloatArray | None:
+        """Variables to start a fine grid from, taken from a coarser one."""
+        task = coarse.coarsened(loaded)
+        if task is None:
+            return None
+        formulation = formulate(task)
+        own = formulation.goal.model
+        start = self._from_coarse(task, formulation.goal)
+        rounds = Rounds(formulation, task.specification.solver, self.control, self._method, start)
+        solution = rounds.run()
+        self.attempts += [{"step": "coarser grid"} | attempt for attempt in rounds.runs.attempts]
+        if self.control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
+            return None  # the seed is better than what failed already
+        points = own.points(solution.variables)
+        return goal.start(coarse.spread(own.seed, points, goal.model.seed))
+
+    def _fail(self, step: str, error: Exception) -> None:
+        """End the solve with what a step raised."""
+        self.failure, self.error = (step, f"{type(error).__name__}: {error}"), error
+        self._record(*self.failure)
+        self.attempts[-1]["traceback"] = traceback.format_exception(error)
+
+    def _record(self, step: str, ended: str) -> None:
+        self.attempts.append({"step": step, "method": step, "ended": ended, "iterations": 0})
+
+
+def reasons(outcome: Outcome) -> list[str]:
+    """Why an outcome is not certified and converged, as sentences; empty if it is."""
+    failed = [check.sentence for check in outcome.certificate.checks.values() if not check.passed]
+    return [*failed, *outcome.judgement["failed"]]

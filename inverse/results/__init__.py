@@ -1,0 +1,1 @@
+"""What a solve found, and the folder that it leaves."""

@@ -1,0 +1,1 @@
+"""One run of a solver on one program."""

@@ -1,0 +1,306 @@
+"""The YAML specification of a design: every key, its meaning and its limits. Angles are in degrees here."""
+
+from __future__ import annotations
+
+import os.path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from inverse.spec import yaml_source
+from inverse.spec.fields import (
+    Circle,
+    FileName,
+    Increasing,
+    Integer,
+    Model,
+    Number,
+    Plane,
+    Point,
+    Polygon,
+    Polyline,
+    Positive,
+    refusal,
+    row,
+    word,
+)
+from inverse.spec.footprint import Footprint, FootprintLimits
+from inverse.spec.pattern import FilePattern, GridPattern, Pattern, TubePattern
+from inverse.spec.target import BetweenTarget, HeightTarget, MeshTarget, Target, TubeTarget
+from inverse.spec.validation import validate
+from inverse.spec.yaml_source import Source
+from inverse.words import did_you_mean
+
+__all__ = [
+    "Anchor",
+    "BetweenTarget",
+    "Circle",
+    "Constraints",
+    "Context",
+    "FilePattern",
+    "Fit",
+    "Footprint",
+    "FootprintLimits",
+    "GridPattern",
+    "HeightTarget",
+    "KeepOut",
+    "Loaded",
+    "MeshTarget",
+    "Place",
+    "Plane",
+    "Solver",
+    "Specification",
+    "TubePattern",
+    "TubeTarget",
+    "from_mapping",
+    "load",
+]
+
+
+class Context(Model):
+    """The buildings that the design stands beside."""
+
+    file: FileName = Field(description="file of the building context, looked up beside the specification")
+    origin: Point | None = Field(default=None, description="point [x, y, z] of that file to be the origin")
+
+
+class Fit(Model):
+    """What is fitted to the target."""
+
+    points: Annotated[
+        Literal["facets", "layer", "vertices"],
+        word(
+            "set of points",
+            {
+                "facets": "their centroids",
+                "layer": "every second vertex both ways",
+                "vertices": "all of them",
+            },
+        ),
+    ] = Field(
+        default="facets",
+        description="facets (their centroids; of tubes the rings of facets), layer (every second vertex both ways) or"
+        " vertices (all)",
+    )
+
+
+class Place(Model):
+    """Where anchored vertices are held."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("point", "polyline", "polygon", "plane", "circle")
+    what: ClassVar[str] = "an anchor's place"
+
+    point: Point | None = Field(default=None, description="one point [x, y, z] for all")
+    polyline: Polyline | None = Field(default=None, description="two or more points [x, y, z]")
+    polygon: Polygon | None = Field(
+        default=None, description="three or more points [x, y, z] of a closed polyline, the first not repeated"
+    )
+    plane: Plane | None = Field(default=None, description="a plane, by point and normal")
+    circle: Circle | None = Field(default=None, description="a circle, by center, normal and radius")
+
+
+def _different(numbers: tuple[int, ...]) -> tuple[int, ...]:
+    if len(set(numbers)) < len(numbers):
+        twice = next(v for k, v in enumerate(numbers) if v in numbers[:k])
+        raise refusal(f"vertex {twice} is named twice: an anchor holds a vertex once")
+    return numbers
+
+
+class Anchor(Model):
+    """Vertices that are held somewhere: a side's, or those named."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("side", "vertices")
+    what: ClassVar[str] = "an anchor"
+
+    side: (
+        Annotated[
+            Literal["u0", "u1", "v0", "v1", "ends"],
+            word("side", {"u0": "", "u1": "", "v0": "", "v1": "", "ends": ""}),
+        ]
+        | None
+    ) = Field(default=None, description="side whose vertices are held: u0, u1, v0, v1; of a tube v0, v1 or ends (both)")
+    vertices: (
+        Annotated[tuple[Annotated[Integer, Field(ge=0)], ...], Field(min_length=1), AfterValidator(_different)] | None
+    ) = Field(default=None, description="numbers of the vertices that are held, counted from 0")
+    every: Annotated[Integer, Field(ge=1)] = Field(
+        default=1, description="1 to hold all of them, 2 to hold every second, and so on"
+    )
+    to: Place = Field(description="where they are held: point, polyline, polygon, plane or circle")
+
+
+class KeepOut(Model):
+    """A half-space that the design stays out of."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("below", "above", "plane")
+    what: ClassVar[str] = "a keep-out"
+
+    below: Number | None = Field(default=None, description="a height z: the design stays above it")
+    above: Number | None = Field(default=None, description="a height z: the design stays below it")
+    plane: Plane | None = Field(
+        default=None, description="a plane: the design stays on the side that its normal points to"
+    )
+
+
+FoldAngle = Annotated[Number, Field(ge=1, le=179)]
+SectorAngle = Annotated[Number, Field(gt=0, lt=180)]
+
+
+class Constraints(Model):
+    """What a design must keep to, besides developability, flat-foldability and planarity."""
+
+    fold_angle: Annotated[tuple[FoldAngle, FoldAngle], row("low", "high"), Increasing] = Field(
+        default=(20.0, 160.0), description="limits [low, high] of every fold, degrees from 1 to 179"
+    )
+    sector_angle: Annotated[tuple[SectorAngle, SectorAngle], row("low", "high"), Increasing] = Field(
+        default=(14.0, 166.0), description="limits [low, high] of every sector angle, degrees in (0, 180)"
+    )
+    edge_length: Annotated[tuple[Positive, Positive], row("low", "high"), Increasing] = Field(
+        default=(0.3, 3.0),
+        description="limits [low, high] of every edge, as factors of its length in the seed",
+    )
+    anchors: tuple[Anchor, ...] = Field(default=(), description="vertices that are held somewhere")
+    loop: (
+        Annotated[
+            Literal["exact", "bars"],
+            word("loop", {"exact": "closes through the motion", "bars": "one strip keeps its shape"}),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="how a tube is kept closed: exact (one strip closes through the whole motion; the default) or bars"
+        " (one strip keeps the seed's shape)",
+    )
+    free_range: (
+        Annotated[
+            tuple[
+                Annotated[Number, Field(ge=1, lt=90)],
+                Annotated[Number, Field(gt=90, le=179)],
+            ],
+            row("low", "high"),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="part [low, high] of the motion, degrees from 1 to 179 around the design state's 90, in which no"
+        " facets may cross",
+    )
+    keep_out: tuple[KeepOut, ...] = Field(default=(), description="half-spaces that the design stays out of")
+    footprint: FootprintLimits | None = Field(default=None, description="the box that a state has to fit into")
+
+
+class Solver(Model):
+    """How the problem is solved."""
+
+    method: Annotated[Literal["ipopt", "nlopt"], word("method", {"ipopt": "", "nlopt": ""})] = Field(
+        default="ipopt", description="the solver: ipopt, or nlopt for some hundred facets"
+    )
+    tolerance: Annotated[Number, Field(ge=1e-14, le=1e-3)] = Field(
+        default=1e-9, description="the solver's tolerance, from 1e-14 to 1e-3"
+    )
+    max_iterations: Annotated[Integer, Field(ge=1)] = Field(default=500, description="largest number in a round")
+    time_limit_s: Positive | None = Field(default=None, description="time limit in seconds, none if not given")
+
+
+class Specification(Model):
+    """One design task: a pattern to start from, a target to reach and what must hold on the way."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_]([A-Za-z0-9_ -]*[A-Za-z0-9_-])?$", max_length=100)] = Field(
+        description="letters, digits, _, - and spaces within; the folder of the results is named so"
+    )
+    units: Annotated[
+        Literal["unit", "m", "cm", "mm", "um", "nm", "in"],
+        word("unit", {"unit": "none", "m": "", "cm": "", "mm": "", "um": "", "nm": "", "in": "inches"}),
+    ] = Field(default="m", description="unit of every length: unit (none), m, cm, mm, um, nm or in")
+    pattern: Pattern = Field(description="the pattern and its seed, of kind grid, tube or file")
+    context: Context | None = Field(default=None, description="the buildings around, if there are any")
+    target: Target = Field(description="the target surface, by exactly one of mesh, height, between and axis")
+    fit: Fit = Field(default=Fit(), description="what is fitted to the target")
+    objectives: dict[str, Annotated[Number, Field(ge=0)]] = Field(
+        default_factory=dict, description="weights of objective terms by their names, each at least 0"
+    )
+    footprint: Footprint = Field(default=Footprint(), description="what the objective footprint makes small")
+    constraints: Constraints = Field(default=Constraints(), description="what must hold")
+    solver: Solver = Field(default=Solver(), description="how the problem is solved")
+
+    @model_validator(mode="after")
+    def _check_tube(self) -> Self:
+        has_axis = isinstance(self.target, TubeTarget)
+        if isinstance(self.pattern, TubePattern) and not has_axis:
+            raise refusal(
+                "a tube needs a target around an axis",
+                "For example axis: {polyline: [[0, 0, 0], [0, 0, 10]]} with radius: 1.",
+                key="target",
+            )
+        if isinstance(self.pattern, GridPattern) and has_axis:
+            raise refusal("a grid has no rings to lie around an axis", "Write kind: tube.", key="pattern")
+        if has_axis and self.fit.points != "facets":
+            raise refusal("of a tube the rings of facets are fitted, so the points are facets", key="fit")
+        return self
+
+    @property
+    def packs(self) -> bool:
+        """Whether the size of a packed state is an objective or limited."""
+        return self.objectives.get("footprint", 0.0) > 0 or self.constraints.footprint is not None
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A specification and where it came from.
+
+    Attributes:
+        specification: the validated values, angles in degrees.
+        source: where the values stand, to refuse them later: ``raise loaded.source.error(("fit",), ...)``.
+        folder: where the files that it names are looked up.
+    """
+
+    specification: Specification
+    source: Source
+    folder: Path
+
+    def file(self, *keys: str) -> Path:
+        """The file that a key names, such as ``file("target", "mesh")``.
+
+        Raises:
+            InputError: there is no such file.
+        """
+        name: Any = self.specification
+        for key in keys:
+            name = getattr(name, key)
+        path: Path = self.folder / name
+        if os.path.isfile(path):
+            return path
+        names = [p.name for p in path.parent.iterdir()] if os.path.isdir(path.parent) else []
+        suggestion = did_you_mean(path.name, names)
+        raise self.source.error(keys, f"there is no file {path}.{suggestion}")
+
+
+def load(path: Path | str, overrides: Sequence[str] = ()) -> Loaded:
+    """Read and validate a specification.
+
+    Args:
+        path: a YAML file.
+        overrides: ``key.path=value`` texts that replace or add values.
+
+    Raises:
+        InputError: for the first fault in the file, or else in the overrides, with its place.
+    """
+    path = Path(path)
+    data, source = yaml_source.read(path, overrides)
+    return Loaded(validate(Specification, data, source), source, path.parent)
+
+
+def from_mapping(mapping: Mapping[str, Any], folder: Path = Path()) -> Loaded:
+    """Validate a specification that a script made.
+
+    Args:
+        mapping: the same keys as in a file.
+        folder: where the files that it names are looked up.
+
+    Raises:
+        InputError: for the first fault, with its key path.
+    """
+    data, source = yaml_source.from_mapping(mapping, "specification")
+    return Loaded(validate(Specification, data, source), source, folder)

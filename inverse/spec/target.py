@@ -1,0 +1,168 @@
+"""The part of a specification that names the target surface: mesh, height, span between curves, tube around an axis."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Discriminator, Field, Tag
+
+from inverse.errors import InputError
+from inverse.spec.fields import (
+    FileName,
+    Interval,
+    Model,
+    Number,
+    Point,
+    Polyline,
+    Positive,
+    exactly_one,
+    refusal,
+    row,
+    word,
+)
+
+
+class MeshTarget(Model):
+    """A target surface from a file."""
+
+    mesh: FileName = Field(description="mesh file of the target, looked up beside the specification")
+
+
+def _check_height(text: str) -> str:
+    from inverse.surfaces.expression import parse  # casadi is loaded where it is needed
+
+    try:
+        parse(text)
+    except InputError as error:
+        raise refusal(error.message, error.hint) from None
+    return text
+
+
+class HeightTarget(Model):
+    """A target surface z(x, y)."""
+
+    height: Annotated[str, AfterValidator(_check_height)] = Field(
+        description="height as an expression in x and y, such as 0.45 - 0.3*(x^2 + y^2)"
+    )
+    domain: Annotated[tuple[Interval, Interval], row("[x0, x1]", "[y0, y1]")] = Field(
+        description="where the height is taken, [[x0, x1], [y0, y1]]"
+    )
+
+
+class BetweenTarget(Model):
+    """A target surface that spans between two curves."""
+
+    between: Annotated[tuple[Polyline, Polyline], row("polyline", "polyline")] = Field(
+        description="two polylines, each a list of at least two points [x, y, z]"
+    )
+    rise: Number = Field(description="rise of the surface above the straight span between the curves")
+    profile: Annotated[
+        Literal["arc", "parabola", "catenary"], word("profile", {"arc": "", "parabola": "", "catenary": ""})
+    ] = Field(default="arc", description="section from curve to curve: arc, parabola or catenary")
+
+
+class Axis(Model):
+    """The centre line of a tube."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("polyline", "spline", "arc")
+    what: ClassVar[str] = "an axis"
+
+    polyline: Polyline | None = Field(default=None, description="two or more points [x, y, z] joined by straight lines")
+    spline: Polyline | None = Field(default=None, description="two or more points [x, y, z] that a smooth curve meets")
+    arc: Annotated[tuple[Point, Point, Point], row("start", "on the way", "end")] | None = Field(
+        default=None, description="three points [x, y, z] of a circular arc: its start, one on the way, its end"
+    )
+
+
+Share = Annotated[Number, Field(ge=0, le=1)]
+Profile = tuple[Annotated[tuple[Share, Positive], row("fraction", "radius")], ...]
+
+
+def _tag_of_radius(value: Any) -> str:
+    return "<profile>" if isinstance(value, list | tuple) else "<number>"
+
+
+def _check_profile(radius: float | tuple[tuple[float, float], ...]) -> float | tuple[tuple[float, float], ...]:
+    if not isinstance(radius, tuple):
+        return radius
+    fractions = [pair[0] for pair in radius]
+    if len(fractions) < 2:
+        raise refusal("a profile needs two or more pairs [fraction, radius]", "Write one number for the same radius.")
+    for a, b in itertools.pairwise(fractions):
+        if b <= a:
+            raise refusal(f"the fractions of the profile must increase, but {b:g} follows {a:g}")
+    return radius
+
+
+def _check_implicit(text: str) -> str:
+    from inverse.surfaces.expression import SPACE, parse  # casadi is loaded where it is needed
+
+    try:
+        parse(text, SPACE, "implicit expression")
+    except InputError as error:
+        raise refusal(error.message, error.hint) from None
+    return text
+
+
+class TubeTarget(Model):
+    """A tube around an axis, by its radius or by a surface whose mean distance from the axis is the radius."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("radius", "mesh", "implicit")
+    what: ClassVar[str] = "a target around an axis"
+
+    axis: Axis = Field(description="the centre line of the tube, by exactly one of polyline, spline and arc")
+    radius: (
+        Annotated[
+            Annotated[Positive, Tag("<number>")] | Annotated[Profile, Tag("<profile>")],
+            Discriminator(_tag_of_radius),
+            AfterValidator(_check_profile),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="rms distance of a ring's facet centroids from the axis, one number or [[fraction of the length,"
+        " radius], ...]",
+    )
+    mesh: FileName | None = Field(
+        default=None, description="mesh file of a surface around the axis, looked up beside the specification"
+    )
+    implicit: Annotated[str, AfterValidator(_check_implicit)] | None = Field(
+        default=None, description="surface around the axis where an expression in x, y and z is zero, x^2 + y^2 - 1"
+    )
+
+
+_TARGETS: dict[str, type[Model]] = {
+    "mesh": MeshTarget,
+    "height": HeightTarget,
+    "between": BetweenTarget,
+    "axis": TubeTarget,
+}
+
+
+def _check_target(value: Any) -> Any:
+    if isinstance(value, BaseModel):
+        return value
+    if isinstance(value, Mapping) and value.get("axis") is not None:
+        return value  # its own model knows what else it takes
+    others = {name for model in _TARGETS.values() for name in model.model_fields} - set(_TARGETS)
+    return exactly_one(value, "target", tuple(_TARGETS), tuple(sorted(others)))
+
+
+def _tag_of_target(value: Any) -> str:
+    if isinstance(value, BaseModel):
+        return f"<{type(value).__name__}>"
+    if "axis" in value:
+        return "<TubeTarget>"
+    return next(f"<{model.__name__}>" for key, model in _TARGETS.items() if key in value)
+
+
+Target = Annotated[
+    Annotated[MeshTarget, Tag("<MeshTarget>")]
+    | Annotated[HeightTarget, Tag("<HeightTarget>")]
+    | Annotated[BetweenTarget, Tag("<BetweenTarget>")]
+    | Annotated[TubeTarget, Tag("<TubeTarget>")],
+    Discriminator(_tag_of_target),
+    BeforeValidator(_check_target),
+]

@@ -1,0 +1,103 @@
+"""What every target surface offers."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import casadi
+import numpy as np
+
+from inverse._types import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class ClosestPoints:
+    """Closest points of a target and what a small move of the given points changes.
+
+    Attributes:
+        feet: (N, 3) closest points on the target.
+        weights: (N, 3, 3) projections W such that |W (p - foot)| is, where the surface is smooth, the distance
+            to first order: n n^T inside (tangent-plane distance), I - t t^T on a border with direction t, I at a
+            corner. At the ridges inside a mesh it is the distance from one of the facets there.
+    """
+
+    feet: FloatArray
+    weights: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The plan of a target: where a seed is placed.
+
+    Attributes:
+        origin: (3,) centre of the plan at the target's mean height.
+        axes: (3, 3) rows x, y (in plan) and z (up).
+        extent: size of the plan along x and y.
+    """
+
+    origin: FloatArray
+    axes: FloatArray
+    extent: tuple[float, float]
+
+
+class Target(ABC):
+    """A bounded surface in the specification's length unit.
+
+    Attributes:
+        has_kinks: whether its normal jumps, as a mesh's does from facet to facet.
+    """
+
+    has_kinks = False
+
+    @abstractmethod
+    def closest(self, points: FloatArray) -> ClosestPoints:
+        """Closest points of the surface, border included, to points (N, 3)."""
+
+    @abstractmethod
+    def triangles(self) -> tuple[FloatArray, IntArray]:
+        """Vertices (V, 3) and triangles (T, 3) of the surface, for measuring areas and for pictures."""
+
+    @property
+    @abstractmethod
+    def frame(self) -> Frame:
+        """The plan that a placed seed covers."""
+
+    def residual(self, point: casadi.SX) -> casadi.SX | None:
+        """Distance residuals (k,) as an expression of a point (3,) if the surface is smooth, else None."""
+        return None
+
+    def distances(self, points: FloatArray) -> FloatArray:
+        """Distances (N,) of points (N, 3) from the surface, border included."""
+        return np.asarray(np.linalg.norm(points - self.closest(points).feet, axis=1))
+
+    def over_plan(self, points: FloatArray) -> FloatArray:
+        """Points (N, 3) of the triangulated surface over the same places of the plan, or nearest to them there."""
+        from inverse.surfaces.mesh import MeshTarget  # a mesh is a target itself
+
+        # Nearly flattened onto the plan, the closest point is the one straight above or below.
+        squeeze = 1e-4
+        frame = self.frame
+        vertices, triangles = self.triangles()
+        scale = np.array([1.0, 1.0, squeeze])
+        flat = MeshTarget((vertices - frame.origin) @ frame.axes.T * scale, triangles)
+        feet = flat.closest((points - frame.origin) @ frame.axes.T * scale).feet
+        return np.asarray((feet / scale) @ frame.axes + frame.origin)
+
+    def flattened(self, share: float) -> Target:
+        """The surface with its heights over its plan lowered to a share of themselves, on the way from a flat seed.
+
+        Args:
+            share: 0 for the plan itself, 1 for the surface.
+        """
+        from inverse.surfaces.mesh import MeshTarget
+
+        frame, (vertices, triangles) = self.frame, self.triangles()
+        heights = (vertices - frame.origin) @ frame.axes[2]
+        return MeshTarget(vertices - (1 - share) * heights[:, None] * frame.axes[2], triangles)
+
+    def samples(self) -> tuple[FloatArray, FloatArray]:
+        """Centroids (T, 3) of the surface's triangles and their areas (T,)."""
+        vertices, triangles = self.triangles()
+        a, b, c = vertices[triangles].transpose(1, 0, 2)
+        return (a + b + c) / 3, np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)

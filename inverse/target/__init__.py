@@ -1,7 +1,0 @@
-"""Target surfaces: what a design is fitted to."""
-
-from __future__ import annotations
-
-from inverse.target.base import ClosestPoints, Frame, Target
-
-__all__ = ["ClosestPoints", "Frame", "Target"]

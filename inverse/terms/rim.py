@@ -1,0 +1,66 @@
+"""Where facets on the rim belong when a seed is spread over its target."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from inverse._types import FloatArray, IntArray
+from inverse.origami import geometry
+from inverse.origami.pattern import B, Design, Pattern
+from inverse.surfaces import Target
+
+
+def rim_places(seed: Design, target: Target, facets: IntArray) -> FloatArray:
+    """Where the centroids of facets on the rim come to lie when the seed is spread over the target.
+
+    In plan a steep end of a target is short, so that a place in plan says little about where on it a facet is to
+    be. The rows of quads that begin at the rim are therefore laid along the target, and the first facet of a row gets
+    the share of its length that it has in the seed. Other facets keep their place in plan.
+
+    Args:
+        seed: the placed seed.
+        target: the target.
+        facets: (N,) int, facets on the rim.
+
+    Returns:
+        (N, 3) places on the target.
+    """
+    pattern = seed.pattern
+    centroids = geometry.facet_centroids(pattern, seed.vertices_coords)
+    rows = [row for row in _rows(pattern) if len(row) > 1]
+    lines, shares, beside = [], [], []
+    for row in rows:
+        first, second, before, last = centroids[[row[0], row[1], row[-2], row[-1]]]
+        half = (second - first) / 2
+        start, end = first - half, last + (last - before) / 2
+        along = end - start
+        shares.append(half @ along / (along @ along))
+        beside.append(half - shares[-1] * along)  # corrugations put centroids beside the straight line
+        lines.append(start + np.linspace(0, 1, 8 * len(row) + 1)[:, None] * along)
+    places, count = np.zeros_like(centroids), np.zeros(len(centroids))
+    laid = np.split(target.over_plan(np.concatenate(lines)), np.cumsum([len(line) for line in lines])) if rows else []
+    for row, line, share, off in zip(rows, laid, shares, beside, strict=False):
+        length = np.r_[0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()]
+        places[row[0]] += [np.interp(share * length[-1], length, line[:, k]) for k in range(3)] + off
+        count[row[0]] += 1
+    in_plan = np.flatnonzero(count == 0)
+    places[in_plan] = target.over_plan(centroids[in_plan])
+    return np.asarray((places / np.maximum(count, 1)[:, None])[facets])
+
+
+def _rows(pattern: Pattern) -> list[list[int]]:
+    """Facets met on walking inwards from every boundary edge, across opposite edges of quads."""
+    edge_of = {frozenset(pair): k for k, pair in enumerate(pattern.edges_vertices.tolist())}
+    rows = []
+    for edge in np.flatnonzero(pattern.edges_type == B).tolist():
+        facet = int(pattern.edges_faces[edge, 0])
+        row: list[int] = []
+        while facet >= 0 and len(pattern.faces_vertices[facet]) == 4:
+            row.append(facet)
+            others = set(pattern.faces_vertices[facet]) - set(pattern.edges_vertices[edge].tolist())
+            edge = edge_of[frozenset(others)]
+            left, right = pattern.edges_faces[edge].tolist()
+            facet = right if facet == left else left
+        if row:
+            rows.append(row)
+    return rows

@@ -1,0 +1,163 @@
+"""The polish: Newton's rate, least moves, and equations that repeat or contradict each other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from designs import ALL, assert_close, eggbox, hybrid, perturbed, tube
+
+from inverse import constraints
+from inverse.model import DesignModel
+from inverse.nlp.problem import Problem
+from inverse.nlp.term import Constraint
+from inverse.origami.pattern import Design
+from inverse.solvers.projection import Projection, balanced, polish
+
+NAMES = ["miura", "eggbox", "hybrid", "polygonal", "two_holes"]
+
+
+def posed(design: Design, *more: Constraint) -> tuple[DesignModel, Problem]:
+    model = DesignModel(design)
+    terms = [*constraints.hard_constraints(model, {"edge_length": (0.999999, 1.000001)}), *more]
+    return model, Problem(model.seed_points.size, [], terms)
+
+
+def residual(problem: Problem, x: np.ndarray) -> np.ndarray:
+    rows, _ = problem.rows_and_jacobian(x, problem.parameters())
+    return (rows - problem.lower)[problem.lower == problem.upper]
+
+
+def jacobian(problem: Problem, x: np.ndarray) -> np.ndarray:
+    return problem.rows_and_jacobian(x, problem.parameters())[1].toarray()[problem.lower == problem.upper]
+
+
+def moved(model: DesignModel, size: float, seed: int = 0) -> np.ndarray:
+    return model.seed_points.ravel() + size * np.random.default_rng(seed).standard_normal(model.seed_points.size)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_small_errors_vanish_at_newtons_rate(name: str) -> None:
+    model, problem = posed(ALL[name]())
+    x = moved(model, 1e-4)
+    sizes = [np.abs(residual(problem, x)).max()]
+    assert sizes[0] > 1e-5
+    for steps in range(2, 9):
+        sizes.append(np.abs(residual(problem, polish(problem, x, problem.parameters(), steps=steps))).max())
+    assert sizes[-1] < 5e-15
+    assert sizes[1] < 30 * sizes[0] ** 2
+    assert sizes[2] < max(30 * sizes[1] ** 2, 5e-15)
+    assert sizes == sorted(sizes, reverse=True)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_move_is_the_least_one(name: str) -> None:
+    """Dense Newton steps of least norm go the same way; along the solutions nothing moves to first order."""
+    model, problem = posed(ALL[name]())
+    start = moved(model, 1e-4)
+    x = polish(problem, start, problem.parameters())
+    dense = start
+    for _ in range(5):
+        dense = dense - np.linalg.lstsq(jacobian(problem, dense), residual(problem, dense), rcond=1e-12)[0]
+    assert_close(x, dense, 1e-11)
+    j = jacobian(problem, x)
+    tangent = np.linalg.svd(j)[2][len(j) :]
+    assert len(tangent) == problem.n_variables - len(j)
+    move = x - start
+    assert np.linalg.norm(tangent @ move) < 30 * np.linalg.norm(move) ** 2
+    assert np.linalg.norm(move) < np.linalg.norm(start - model.seed_points.ravel())
+
+
+def test_a_move_along_the_solutions_is_kept() -> None:
+    model, problem = posed(eggbox(4, 5))
+    exact = model.seed_points.ravel()
+    tangent = np.linalg.svd(jacobian(problem, exact))[2][len(jacobian(problem, exact)) :]
+    along = tangent.T @ np.random.default_rng(1).standard_normal(len(tangent))
+    errors = []
+    for h in (1e-3, 5e-4):
+        x = polish(problem, exact + h * along, problem.parameters())
+        assert np.abs(residual(problem, x)).max() < 5e-15
+        errors.append(np.linalg.norm(x - exact - h * along))
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.05)
+
+
+def test_nothing_to_remove() -> None:
+    model, problem = posed(hybrid(3))
+    x = polish(problem, model.seed_points.ravel(), problem.parameters())
+    assert_close(x, model.seed_points.ravel(), 1e-14)
+    no_equations = Problem(x.size, [], [constraints.edge_length(model, (0.5, 2))])
+    assert polish(no_equations, x, no_equations.parameters()) is x
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_polished_design_is_not_made_worse(name: str) -> None:
+    model, problem = posed(ALL[name]())
+    for seed in range(4):
+        once = polish(problem, moved(model, 1e-5, seed), problem.parameters())
+        again = polish(problem, once, problem.parameters())
+        assert np.abs(residual(problem, again)).max() <= np.abs(residual(problem, once)).max()
+
+
+def test_inequalities_are_left_alone() -> None:
+    """The edge bounds of ``posed`` are far too narrow for the perturbed mesh: they play no part."""
+    model, problem = posed(eggbox(3, 3))
+    x = polish(problem, moved(model, 1e-3), problem.parameters())
+    violations = problem.violations(x, problem.parameters())
+    assert violations["edge_length"][0] > 1e-5
+    assert violations["opposite_angles"][0] < 1e-14
+
+
+@pytest.mark.parametrize("times", [2, 3])
+def test_equations_that_repeat_each_other(times: int) -> None:
+    """Copies of an anchor change neither the result nor its accuracy."""
+    design = hybrid(3)
+    model = DesignModel(design)
+    vertices, to = np.array([0, 5, 17]), perturbed(design, 1e-4, 2).vertices_coords[[0, 5, 17]]
+    anchors = [constraints.on_point(model, f"anchor_{k}", vertices, to) for k in range(times)]
+    _, once = posed(design, anchors[0])
+    _, often = posed(design, *anchors)
+    assert often.n_rows == once.n_rows + 9 * (times - 1)
+    start = moved(model, 1e-4)
+    x = polish(often, start, often.parameters())
+    assert np.abs(residual(often, x)).max() < 1e-14
+    assert_close(x, polish(once, start, once.parameters()), 1e-10)
+
+
+@pytest.mark.parametrize("k", [4, 6])
+def test_the_dependent_equations_of_a_tube(k: int) -> None:
+    model, problem = posed(tube(k, 3))
+    j = jacobian(problem, model.seed_points.ravel())
+    assert np.linalg.matrix_rank(j, tol=1e-9) < len(j)
+    x = polish(problem, moved(model, 1e-5), problem.parameters())
+    assert np.abs(residual(problem, x)).max() < 1e-13
+    assert np.abs(x - model.seed_points.ravel()).max() < 1e-3
+
+
+def test_equations_that_contradict_each_other() -> None:
+    """Nothing can satisfy them; the result is finite and no worse than the start."""
+    design = eggbox(3, 3)
+    model = DesignModel(design)
+    at = design.vertices_coords[[0]]
+    places = [at, at + np.array([1e-3, 0, 0])]
+    twice = [constraints.on_point(model, f"anchor_{k}", np.array([0]), to) for k, to in enumerate(places)]
+    _, problem = posed(design, *twice)
+    start = moved(model, 1e-4)
+    x = polish(problem, start, problem.parameters())
+    assert np.isfinite(x).all()
+    assert np.abs(residual(problem, x)).max() <= np.abs(residual(problem, start)).max()
+    assert np.abs(x - start).max() < 0.1
+
+
+def test_slopes_that_are_no_numbers_end_a_polish_and_a_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, problem = posed(eggbox())
+    x, parameters = moved(model, 1e-4), problem.parameters()
+    rows_and_jacobian = Problem.rows_and_jacobian
+
+    def broken(own: Problem, *at: np.ndarray) -> object:
+        rows, jacobian = rows_and_jacobian(own, *at)
+        return rows, np.nan * jacobian
+
+    monkeypatch.setattr(Problem, "rows_and_jacobian", broken)
+    assert_close(polish(problem, x, parameters), x, 0)
+    multipliers = np.ones(problem.n_rows)
+    assert_close(balanced(problem, x, multipliers, parameters), multipliers, 0)
+    assert Projection(problem, parameters).moved(x, 0 * x) is None

@@ -1,0 +1,111 @@
+"""Crossing facets are told the same way at any distance from the origin, at any scale and in any orientation."""
+
+from __future__ import annotations
+
+import designs
+import numpy as np
+import pytest
+from certify_cases import failures, four_facets, raw, verdict
+from scipy.optimize import linprog
+
+from inverse.crossing import crossing_facets
+from inverse.origami import seeds
+
+OFFSETS = [0.0, 1.0, 1e2, 1e4, 3e4, 1e5, 1e7, 1e9]  # in diagonals
+SCALES = [1e-6, 1e-5, 1e-3, 1.0, 1e6]
+
+
+def _open_fan():
+    """Five triangles around a vertex; the last one comes back through the first."""
+    heading = 1.35 * np.arange(6)
+    ends = np.stack([np.cos(heading), np.sin(heading), 0.25 * np.cos(2 * heading)], axis=1)
+    return np.vstack([np.zeros(3), ends]), [[0, 1 + k, 2 + k] for k in range(5)]
+
+
+def _seed(design):
+    return design.vertices_coords, design.pattern.faces_vertices
+
+
+CROSSING = {
+    "four triangles": four_facets(crossed=True, sides=3),
+    "four quads": four_facets(crossed=True, sides=4),
+    "open fan": _open_fan(),
+}
+SOUND = {
+    "four triangles": four_facets(crossed=False, sides=3),
+    "four quads": four_facets(crossed=False, sides=4),
+    "miura": _seed(designs.miura(4, 4)),
+    "6-gon tube": _seed(designs.tube(6, 4)),
+    "almost folded up": _seed(seeds.grid((4, 4), fold_state=0.999)),
+    "almost developed": _seed(seeds.grid((4, 4), fold_state=0.0005)),
+}
+
+
+def _anywhere(points, seed, offset, scale):
+    direction = np.random.default_rng(seed).normal(size=3)
+    away = offset * np.linalg.norm(np.ptp(points, axis=0)) * direction / np.linalg.norm(direction)
+    return scale * (points @ designs.rotation(seed).T + away)
+
+
+@pytest.mark.parametrize("name", CROSSING)
+def test_a_crossing_is_found_anywhere(name):
+    points, faces = CROSSING[name]
+    expected = crossing_facets(points, faces).tolist()
+    assert len(expected) == 1
+    for offset in OFFSETS:
+        for scale in SCALES:
+            for seed in range(6):
+                found = crossing_facets(_anywhere(points, seed, offset, scale), faces)
+                assert found.tolist() == expected, (offset, scale, seed)
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_no_crossing_is_made_up_anywhere(name):
+    points, faces = SOUND[name]
+    for offset in OFFSETS:
+        for scale in SCALES:
+            for seed in range(3):
+                assert not len(crossing_facets(_anywhere(points, seed, offset, scale), faces)), (offset, scale, seed)
+
+
+def test_corners_cross_where_they_share_a_ray():
+    # Small whole numbers, so that corners touch or lie in one plane every so often; a linear program says the rest.
+    rng = np.random.default_rng(1)
+    seen = {True: 0, False: 0}
+    for size in np.repeat([1, 2, 3, 9], 100).tolist():
+        a, b, c, d = rng.integers(-size, size + 1, (4, 3)).astype(float)
+        if not np.cross(a, b).any() or not np.cross(c, d).any():
+            continue
+        system = np.stack([a, b, -c, -d], axis=1)
+        shared = linprog([-1, -1, 0, 0], A_eq=system, b_eq=np.zeros(3), A_ub=[[1, 1, 0, 0]], b_ub=[1]).fun < -0.5
+        found = crossing_facets(np.array([np.zeros(3), a, b, c, d]), [[0, 1, 2], [0, 3, 4]])
+        assert (len(found) == 1) == shared, (a, b, c, d)
+        seen[shared] += 1
+    assert min(seen.values()) > 50
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-8, 1e-13, 0.0, -1e-13])
+def test_corners_that_all_but_touch_are_told_exactly(height):
+    # An edge of the second triangle above the first one, at any slope, or through it.
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, height], [-1, -1, 1]])
+    for offset in (0.0, 1e3):
+        moved = points + np.array([offset, offset, 0])
+        assert len(crossing_facets(moved, [[0, 1, 2], [0, 3, 4]])) == (height <= 0)
+
+
+def test_facets_with_two_corners_but_no_edge_in_common_overlap_between_these():
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]])
+    assert crossing_facets(points, [[0, 1, 2, 3], [0, 2, 4]]).tolist() == [[0, 1]]
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e2, 3e4, 1e5])
+def test_facets_that_pierce_each_other_are_not_certified_far_from_the_origin(offset, tmp_path):
+    types = {(0, 1 + k): word for k, word in enumerate(["FL", "CFL"] * 2)}
+    certificates = {
+        crossed: verdict(raw(_anywhere(points, 3, offset, 1.0), faces, types), tmp_path)
+        for crossed, (points, faces) in ((True, CROSSING["four triangles"]), (False, SOUND["four triangles"]))
+    }
+    assert certificates[True].checks["crossing_design"].value == 1
+    assert failures(certificates[True]) == {"crossing_design"}
+    assert certificates[True].free_range is None
+    assert certificates[False].certified
