@@ -12,6 +12,7 @@ from inverse._types import FloatArray, IntArray
 from inverse.constraints import Range
 from inverse.errors import InputError
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.origami.pattern import Design, Pattern
@@ -92,37 +93,31 @@ def refine(
     if len(ends):
         terms.append(constraints.bars(model, "bars", ends))
     problem = Problem(model.n_variables, [], terms)
-    parameters = problem.parameters()
-    x = polish(problem, model.seed_points.ravel(), parameters)
+    point = polish(Point(problem, model.seed_points.ravel(), problem.parameters()))
     goal = model.seed_points + wished / model.scale
     follow = _followers(design, named, reach)
     done = 0
     if len(named) and not np.isin(named, pinned).all():
-        x, done = _dragged(design.pattern, Projection(problem, parameters), x, goal, named, follow, steps)
-        x = polish(problem, x, parameters)
+        point, done = _dragged(design.pattern, point, goal, named, follow, steps)
+        point = polish(point)
     left = np.zeros(n_vertices)
-    left[named] = np.linalg.norm(x.reshape(-1, 3) - goal, axis=1)[named] * model.scale
-    return Refined(model.design(x), left, problem.violation(x, parameters), done)
+    left[named] = np.linalg.norm(point.variables.reshape(-1, 3) - goal, axis=1)[named] * model.scale
+    return Refined(model.design(point.variables), left, point.violation, done)
 
 
 def _dragged(
-    pattern: Pattern,
-    projection: Projection,
-    x: FloatArray,
-    goal: FloatArray,
-    named: IntArray,
-    follow: FloatArray,
-    steps: int,
-) -> tuple[FloatArray, int]:
-    """Variables after the whole way, cut into steps, and the number of steps made."""
+    pattern: Pattern, at: Point, goal: FloatArray, named: IntArray, follow: FloatArray, steps: int
+) -> tuple[Point, int]:
+    """The point after the whole way, cut into steps, and the number of steps made."""
+    projection = Projection()
 
-    def left(x: FloatArray) -> FloatArray:
-        return np.asarray((goal - x.reshape(-1, 3))[named])
+    def left(point: Point) -> FloatArray:
+        return np.asarray((goal - point.variables.reshape(-1, 3))[named])
 
-    def step(share: float) -> FloatArray | None:
-        moved = projection.moved(x, (share * (follow @ left(x))).ravel())
+    def step(share: float) -> Point | None:
+        moved = projection.moved(at, (share * (follow @ left(at))).ravel())
         # Sector angles have no sign: in a leap a facet may turn over and satisfy them again.
-        return moved if moved is not None and geometry.are_convex(pattern, moved.reshape(-1, 3)) else None
+        return moved if moved and geometry.are_convex(pattern, moved.variables.reshape(-1, 3)) else None
 
     way, length, done = 0.0, 1.0 / steps, 0
     while way < 1 and length >= SHORTEST / steps:
@@ -131,15 +126,15 @@ def _dragged(
         if moved is None:
             length /= 2
         else:
-            x, way, done = moved, 1.0 if share == 1.0 else way + length, done + 1
+            at, way, done = moved, 1.0 if share == 1.0 else way + length, done + 1
     # The wish was taken to the end, its projection perhaps not.
     for _ in range(steps):
-        rest = np.linalg.norm(left(x))
+        rest = np.linalg.norm(left(at))
         moved = step(1.0) if rest > 0 else None
         if moved is None or np.linalg.norm(left(moved)) > (1 - GAIN) * rest:
             break
-        x, done = moved, done + 1
-    return x, done
+        at, done = moved, done + 1
+    return at, done
 
 
 def _followers(design: Design, named: IntArray, reach: float | None) -> FloatArray:

@@ -17,10 +17,10 @@ from inverse.formulation.formulate import Formulation, formulate, moved_back
 from inverse.nlp.redundancy import dependence
 from inverse.objectives import Goal
 from inverse.origami.pattern import Design
-from inverse.policy import statuses, verdict
+from inverse.policy import measures, statuses
 from inverse.policy.control import Control, Watch
 from inverse.policy.steps import SHORTEST_SHARE, Outcome, Policy, reasons
-from inverse.solvers.run import LIMIT
+from inverse.solvers.run import Ending
 from inverse.spec import Loaded
 
 
@@ -110,7 +110,7 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
     result = Result(
         ending, statuses.sentence(ending, details), outcome.converged, outcome.certificate.certified,
         control.stopped and not outcome.is_solved,
-        outcome.design, formulation.goal.model.seed, outcome.solution.multipliers, outcome.certificate, report,
+        outcome.design, formulation.goal.model.seed, outcome.point.balance, outcome.certificate, report,
         formulation,
     )  # fmt: skip
     if throw and ending != statuses.SOLVED:
@@ -162,26 +162,26 @@ def _ending(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
     if outcome.converged:
         return "not_certified", details
     # The last run of each step counts: fast steps end at a limit of their own before exact ones follow.
-    ran_out = any(attempt["ended"] == LIMIT for attempt in policy.attempts if "outcome" in attempt)
+    ran_out = any(a.ended == Ending.LIMIT for a in policy.attempts if a.outcome is not None)
     return "iteration_limit" if ran_out else "stalled", details
 
 
 def _report(policy: Policy, outcome: Outcome) -> dict[str, Any]:
-    goal, design = policy.formulation.goal, outcome.design
-    problem, parameters = outcome.solution.problem, outcome.solution.parameters
-    own = outcome.solution.variables, parameters
+    goal, design, point = policy.formulation.goal, outcome.design, outcome.point
+    problem = point.problem
+    judgement = outcome.judgement.document()
     report = {
         "converged": outcome.converged,
         "certified": outcome.certificate.certified,
-        "fit": verdict.fit(goal, design),
-        "coverage": verdict.coverage(goal, design),
-        "footprint": verdict.footprint(goal, outcome.solution.variables),
-        "objective": problem.objective_terms(*own),
-        "verdict": outcome.judgement,
-        "iterations": sum(attempt["iterations"] for attempt in policy.attempts),
-        "attempts": policy.attempts,
+        "fit": measures.fit(goal, design).document(),
+        "coverage": measures.coverage(goal, design),
+        "footprint": measures.footprint(goal, point.variables),
+        "objective": point.objective_terms,
+        "verdict": judgement | {"failed": list(outcome.failed)},
+        "iterations": sum(attempt.iterations for attempt in policy.attempts),
+        "attempts": [attempt.document() for attempt in policy.attempts],
         "reached": policy.reached,
-        "equations": dependence(problem, *own) if problem.has_redundant_equations else None,
+        "equations": dependence(point) if problem.has_redundant_equations else None,
         "size": {
             "facets": len(design.pattern.faces_vertices),
             "variables": problem.n_variables,

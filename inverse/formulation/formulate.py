@@ -21,15 +21,14 @@ from inverse.nlp.term import Constraint, Objective
 from inverse.objectives import Goal
 from inverse.origami import seeds
 from inverse.origami.pattern import Design
-from inverse.spec import BetweenTarget as BetweenKeys
-from inverse.spec import FilePattern, Loaded, TubePattern
-from inverse.spec import HeightTarget as HeightKeys
-from inverse.spec import TubeTarget as TubeKeys
+from inverse.spec import BetweenKeys, FilePattern, HeightKeys, Loaded, TubeKeys, TubePattern
 from inverse.spec.footprint import FootprintLimits, State, radians
 from inverse.surfaces import Target
 from inverse.surfaces.tube import TubeTarget
-from inverse.terms import tube_fit
+from inverse.terms.fitting import Fitting
 from inverse.terms.packed import Measure, Packed
+from inverse.terms.surface_fit import SurfaceFitting
+from inverse.terms.tube_fit import TubeFitting, is_tube
 
 if TYPE_CHECKING:
     from inverse.surfaces.mesh import MeshTarget
@@ -79,14 +78,14 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     if origin.any():
         target = build_target(loaded, origin)
     seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin))
-    if isinstance(target, TubeTarget) and not (tube_fit.is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
+    if isinstance(target, TubeTarget) and not (is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
         raise loaded.source.error(
             ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
             "Give a pattern of kind tube, or a file of one with bdffpq:grid.",
         )  # fmt: skip
     model = DesignModel(seed)
     surface = target if share == 1 else target.flattened(share)
-    goal = Goal(model, surface, specification.fit.points, _packed(loaded, model), origin)
+    goal = Goal(_fitting(loaded, model, surface), _packed(loaded, model), origin)
     for name in specification.objectives:
         if name not in objectives.OBJECTIVES:
             known = ", ".join(sorted(objectives.OBJECTIVES))
@@ -109,12 +108,20 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     return Formulation(goal, terms, fixed, sliding, free_range)
 
 
+def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
+    """How the target's kind is fitted."""
+    if isinstance(target, TubeTarget):
+        return TubeFitting(model, target)
+    return SurfaceFitting(model, target, loaded.specification.fit.points)
+
+
 def moved_back(loaded: Loaded, formulation: Formulation) -> Formulation:
     """A formulation in the coordinates of its specification: the terms, which have no lengths, are the same."""
     goal = formulation.goal
     seed = goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin)
     sliding = [replace(anchor, polyline=anchor.polyline + goal.origin) for anchor in formulation.sliding]
-    goal = replace(goal, model=DesignModel(seed), target=build_target(loaded), origin=NOWHERE)
+    fitting = _fitting(loaded, DesignModel(seed), build_target(loaded))
+    goal = replace(goal, fitting=fitting, origin=NOWHERE)
     return replace(formulation, goal=goal, sliding=sliding)
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from functools import cached_property
 
 import casadi
 import numpy as np
-import scipy.sparse as sparse
 
 from inverse._types import FloatArray, IntArray
 from inverse.nlp.kernels import Elements, scatter
+from inverse.nlp.layout import Layout
 from inverse.nlp.term import Constraint, Objective
 
 
@@ -41,6 +42,17 @@ class Problem:
         """Number of constraint rows, R."""
         return len(self.lower)
 
+    def bounded(self, lower: FloatArray, upper: FloatArray) -> Problem:
+        """The same functions with other bounds (R,) of the rows."""
+        other = copy.copy(self)
+        other.lower, other.upper = lower, upper
+        return other
+
+    @property
+    def equations(self) -> IntArray:
+        """(k,) int, the rows that are equations."""
+        return np.flatnonzero(self.lower == self.upper)
+
     @property
     def has_passive_variables(self) -> bool:
         """Whether some variables occur in no objective: they follow the others by equations, and have no curvature."""
@@ -54,29 +66,18 @@ class Problem:
         """Whether some equations follow from others, so that their multipliers are not determined."""
         return any(constraint.implies_others for constraint in self.constraints)
 
-    @property
-    def n_objective_parameters(self) -> int:
-        """Number of parameters that belong to the objectives; they come first."""
-        return len(self.objectives) + sum(o.elements.parameters.size for o in self.objectives)
+    @cached_property
+    def layout(self) -> Layout:
+        """Where everything lies in the parameter vector."""
+        return Layout([o.elements for o in self.objectives], [c.elements for c in self.constraints])
 
     def parameters(self, replaced: dict[str, FloatArray] | None = None) -> FloatArray:
-        """The parameter vector: objective weights, every term's element parameters, and the share of curvature.
-
-        The last entry multiplies the constraints in the Lagrangian's Hessian: 1 for Newton's method, 0 to take
-        the constraints as linear (see :meth:`linearized`).
+        """The parameter vector, see :class:`inverse.nlp.layout.Layout`.
 
         Args:
             replaced: new element parameters (N, m) by term name, for example refreshed closest points.
         """
-        replaced = replaced or {}
-        weights = [objective.weight for objective in self.objectives]
-        blocks = [replaced.get(e.name, e.parameters).ravel() for e in self._elements]
-        return np.concatenate([weights, *blocks, [1.0]])
-
-    @staticmethod
-    def linearized(parameters: FloatArray) -> FloatArray:
-        """The same parameters with a Hessian that leaves the curvature of the constraints out."""
-        return np.append(parameters[:-1], 0.0)
+        return self.layout.vector([objective.weight for objective in self.objectives], replaced or {})
 
     @property
     def _elements(self) -> list[Elements]:
@@ -86,51 +87,16 @@ class Problem:
     def functions(self) -> dict[str, casadi.Function]:
         """CasADi functions in the form that ``nlpsol`` takes: nlp, grad_f, jac_g, hess_lag."""
         x = casadi.MX.sym("x", self.n_variables)
-        n_weights = len(self.objectives)
-        sizes = [e.parameters.size for e in self._elements]
-        p = casadi.MX.sym("p", n_weights + sum(sizes) + 1)
-        offsets = np.cumsum([n_weights, *sizes])
-        local = {
-            e.name: (
-                e.local(x),
-                casadi.reshape(p[int(start) : int(start) + e.parameters.size], e.kernel.n_parameters, e.count),
-            )
-            for e, start in zip(self._elements, offsets, strict=False)
-        }
-
-        n = self.n_variables
+        p = casadi.MX.sym("p", self.layout.size)
         lam_f, lam_g = casadi.MX.sym("lam_f"), casadi.MX.sym("lam_g", self.n_rows)
-        f = casadi.MX(0)
-        gradient, jacobian, hessian = _Triplets(), _Triplets(), _Triplets()
-        for k, objective in enumerate(self.objectives):
-            e, kernel = objective.elements, objective.elements.kernel
-            factor = p[k] / (e.count * kernel.n_residuals)
-            f += factor * casadi.sum1(e.mapped(kernel.square, *local[e.name]))
-            places = e.variables.ravel()
-            gradient.add(factor * e.mapped(kernel.gradient, *local[e.name]), places, np.zeros_like(places))
-            curvature = e.mapped(kernel.square_curvature, *local[e.name])
-            hessian.add(lam_f * factor * curvature, *e.curvature_places(kernel.square_curvature))
-
-        values, row = [], 0
-        for constraint in self.constraints:
-            e, kernel = constraint.elements, constraint.elements.kernel
-            height = e.count * kernel.n_residuals
-            values.append(e.mapped(kernel.value, *local[e.name]))
-            rows, columns = e.matrix_places()
-            jacobian.add(e.mapped(kernel.jacobian, *local[e.name]), rows + row, columns)
-            multipliers = p[-1] * casadi.reshape(lam_g[row : row + height], kernel.n_residuals, e.count)
-            curvature = e.mapped(kernel.curvature, *local[e.name], multipliers)
-            hessian.add(curvature, *e.curvature_places(kernel.curvature))
-            row += height
-
-        g = casadi.vertcat(*values)
-        slopes = casadi.densify(gradient.matrix((n, 1)))
+        hessian = _Triplets()
+        f, slopes = self._minimized(x, p, lam_f, hessian)
+        g, jacobian = self._constrained(x, p, lam_g, hessian)
+        n = self.n_variables
         return {
             "nlp": casadi.Function("nlp", {"x": x, "p": p, "f": f, "g": g}, ["x", "p"], ["f", "g"]),
             "grad_f": casadi.Function("nlp_grad_f", [x, p], [f, slopes], ["x", "p"], ["f", "grad:f:x"]),
-            "jac_g": casadi.Function(
-                "nlp_jac_g", [x, p], [g, jacobian.matrix((self.n_rows, n))], ["x", "p"], ["g", "jac:g:x"]
-            ),
+            "jac_g": casadi.Function("nlp_jac_g", [x, p], [g, jacobian], ["x", "p"], ["g", "jac:g:x"]),
             "hess_lag": casadi.Function(
                 "nlp_hess_l",
                 [x, p, lam_f, lam_g],
@@ -140,86 +106,38 @@ class Problem:
             ),
         }
 
-    def rows(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Constraint rows (R,)."""
-        return np.asarray(self.functions["nlp"](x, parameters)[1]).ravel()
+    def _minimized(
+        self, x: casadi.MX, p: casadi.MX, lam_f: casadi.MX, hessian: _Triplets
+    ) -> tuple[casadi.MX, casadi.MX]:
+        """The objective and its gradient; its share of the Lagrangian's Hessian is added to ``hessian``."""
+        f, gradient = casadi.MX(0), _Triplets()
+        for k, objective in enumerate(self.objectives):
+            e, kernel = objective.elements, objective.elements.kernel
+            local = e.local(x), self.layout.columns(p, e)
+            factor = p[k] / (e.count * kernel.n_residuals)
+            f += factor * casadi.sum1(e.mapped(kernel.square, *local))
+            places = e.variables.ravel()
+            gradient.add(factor * e.mapped(kernel.gradient, *local), places, np.zeros_like(places))
+            curvature = e.mapped(kernel.square_curvature, *local)
+            hessian.add(lam_f * factor * curvature, *e.curvature_places(kernel.square_curvature))
+        return f, casadi.densify(gradient.matrix((self.n_variables, 1)))
 
-    def rows_and_jacobian(self, x: FloatArray, parameters: FloatArray) -> tuple[FloatArray, sparse.csr_matrix]:
-        """Constraint rows (R,) and their Jacobian (R, n)."""
-        rows, jacobian = self.functions["jac_g"](x, parameters)
-        return np.asarray(rows).ravel(), jacobian.sparse().tocsr()
-
-    def objective_and_gradient(self, x: FloatArray, parameters: FloatArray) -> tuple[float, FloatArray]:
-        """Weighted objective and its gradient (n,)."""
-        value, gradient = self.functions["grad_f"](x, parameters)
-        return float(value), np.asarray(gradient).ravel()
-
-    def objective_terms(self, x: FloatArray, parameters: FloatArray) -> dict[str, float]:
-        """Weighted value of every objective term."""
-        return dict(zip((o.name for o in self.objectives), self._terms(x, parameters), strict=True))
-
-    def violation(self, x: FloatArray, parameters: FloatArray) -> float:
-        """Largest violation of all constraint rows, dimensionless."""
-        return float(self.excess(x, parameters).max(initial=0.0))
-
-    def violations(self, x: FloatArray, parameters: FloatArray) -> dict[str, tuple[float, str]]:
-        """Largest violation of every constraint, dimensionless, and the element where it is."""
-        excess = self.excess(x, parameters)
-        found, start = {}, 0
+    def _constrained(
+        self, x: casadi.MX, p: casadi.MX, lam_g: casadi.MX, hessian: _Triplets
+    ) -> tuple[casadi.MX, casadi.MX]:
+        """The rows and their Jacobian; their share of the Lagrangian's Hessian is added to ``hessian``."""
+        values, jacobian, row = [], _Triplets(), 0
         for constraint in self.constraints:
-            count, k = constraint.lower.shape
-            own = excess[start : start + count * k].reshape(count, k).max(axis=1)
-            worst = int(np.argmax(own)) if count else 0
-            found[constraint.name] = (float(own[worst]), constraint.labels[worst]) if count else (0.0, "")
-            start += count * k
-        return found
-
-    def not_a_number(self, x: FloatArray, parameters: FloatArray) -> tuple[str, str] | None:
-        """Name and element of a term whose value or derivatives are not finite, or None where all are."""
-        start = len(self.objectives)
-        labels = [None] * start + [c.labels for c in self.constraints]
-        for k, e in enumerate(self._elements):
-            own = parameters[start : start + e.parameters.size].reshape(e.count, -1).T
-            start += e.parameters.size
-            kernel, local = e.kernel, x[e.variables].T
-            ones = np.ones((kernel.n_residuals, e.count))
-            values = [np.asarray(f.map(e.count)(local, own)) for f in (kernel.value, kernel.jacobian)]
-            values.append(np.asarray(kernel.curvature.map(e.count)(local, own, ones)))
-            bad = [np.flatnonzero(~np.isfinite(v).all(axis=0)) for v in values]
-            columns = [int(b[0]) // (v.shape[1] // e.count) for b, v in zip(bad, values, strict=True) if len(b)]
-            if columns:
-                names = labels[k]
-                return e.name, _vertices(e.variables[columns[0]]) if names is None else names[columns[0]]
-            if k < len(self.objectives):
-                largest = max(float(np.abs(v).max(initial=0.0)) for v in values)
-                with np.errstate(over="ignore"):
-                    if not np.isfinite(parameters[k] * e.count * largest**2):
-                        return e.name, "all elements, for its weight is too large"
-        return None
-
-    def excess(self, x: FloatArray, parameters: FloatArray) -> FloatArray:
-        """By how much every row (R,) is beyond its bounds."""
-        rows = self.rows(x, parameters)
-        return np.asarray(np.maximum(np.maximum(self.lower - rows, rows - self.upper), 0.0))
-
-    def _terms(self, x: FloatArray, parameters: FloatArray) -> list[float]:
-        start = len(self.objectives)
-        values = []
-        for weight, objective in zip(parameters[:start], self.objectives, strict=True):
-            e = objective.elements
-            own = parameters[start : start + e.parameters.size].reshape(e.count, -1)
-            squares = e.kernel.square.map(e.count)(x[e.variables].T, own.T)
-            with np.errstate(over="ignore", invalid="ignore"):  # told as what has no number
-                values.append(float(weight * np.sum(np.asarray(squares)) / (e.count * e.kernel.n_residuals)))
-            start += e.parameters.size
-        return values
-
-
-def _vertices(variables: IntArray) -> str:
-    """The vertices that an element is made of, for messages."""
-    numbers = np.unique(variables // 3)
-    some = ", ".join(str(v) for v in numbers[:4])
-    return f"vertex {some}" if len(numbers) == 1 else f"vertices {some}{', ...' if len(numbers) > 4 else ''}"
+            e, kernel = constraint.elements, constraint.elements.kernel
+            local = e.local(x), self.layout.columns(p, e)
+            height = e.count * kernel.n_residuals
+            values.append(e.mapped(kernel.value, *local))
+            rows, columns = e.matrix_places()
+            jacobian.add(e.mapped(kernel.jacobian, *local), rows + row, columns)
+            multipliers = p[-1] * casadi.reshape(lam_g[row : row + height], kernel.n_residuals, e.count)
+            hessian.add(e.mapped(kernel.curvature, *local, multipliers), *e.curvature_places(kernel.curvature))
+            row += height
+        return casadi.vertcat(*values), jacobian.matrix((self.n_rows, self.n_variables))
 
 
 class _Triplets:

@@ -10,49 +10,37 @@ import numpy as np
 import scipy.linalg
 
 from inverse._types import FloatArray, IntArray
-from inverse.nlp.problem import Problem
+from inverse.nlp.point import Point
 
 RANK = 1e-8  # pivots of rows that depend on others are 1e-14; the smallest of others 1e-4 at 8 x 24 facets
 
 
-def redundant(problem: Problem, x: FloatArray, parameters: FloatArray) -> IntArray:
-    """Rows that a solver can do without around x.
-
-    Args:
-        problem: the problem.
-        x: (n,) variables.
-        parameters: of the problem.
+def redundant(point: Point) -> IntArray:
+    """Rows that a solver can do without around a point.
 
     Returns:
         (r,) int, equations whose gradients are combinations of the others'; none where no constraint implies others.
     """
-    if not problem.has_redundant_equations:
+    equations = point.problem.equations
+    if not point.problem.has_redundant_equations:
         return np.empty(0, np.int64)
-    equations = np.flatnonzero(problem.lower == problem.upper)
-    _, jacobian = problem.rows_and_jacobian(x, parameters)
-    return np.delete(equations, independent(jacobian[equations].toarray()))
+    return np.delete(equations, independent(point.jacobian[equations].toarray()))
 
 
-def dependence(problem: Problem, x: FloatArray, parameters: FloatArray) -> dict[str, float]:
-    """What is told about the equations at x, where some follow from others.
-
-    Args:
-        problem: the problem.
-        x: (n,) variables.
-        parameters: of the problem.
+def dependence(point: Point) -> dict[str, float]:
+    """What is told about the equations at a point, where some follow from others.
 
     Returns:
         ``rows`` of equations; their ``rank``; ``freedom``, how many variables they leave free, moves of the whole
         included; ``condition``, the ratio of the largest singular value of their Jacobian to the smallest but zero.
     """
-    equations = np.flatnonzero(problem.lower == problem.upper)
-    _, jacobian = problem.rows_and_jacobian(x, parameters)
-    rank = len(independent(jacobian[equations].toarray()))
-    sizes = np.linalg.svd(jacobian[equations].toarray(), compute_uv=False)
+    jacobian = point.jacobian[point.problem.equations].toarray()
+    rank = len(independent(jacobian))
+    sizes = np.linalg.svd(jacobian, compute_uv=False)
     return {
-        "rows": len(equations),
+        "rows": len(jacobian),
         "rank": rank,
-        "freedom": problem.n_variables - rank,
+        "freedom": point.problem.n_variables - rank,
         "condition": float(sizes[0] / sizes[rank - 1]),
     }
 

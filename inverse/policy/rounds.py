@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from inverse import objectives
 from inverse._types import FloatArray
 from inverse.crossing import crossing_facets
 from inverse.formulation.anchors import PolylineAnchor
 from inverse.formulation.formulate import Formulation
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
+from inverse.objectives import Goal
 from inverse.origami import folding
 from inverse.policy import verdict
+from inverse.policy.attempts import Attempt, attempt_of
 from inverse.policy.control import Control
 from inverse.policy.runs import Runs
 from inverse.policy.strips import alike
-from inverse.solvers import slsqp
-from inverse.solvers.ipopt import Solver
-from inverse.spec import Solver as SolverKeys
+from inverse.solvers.ipopt import Ipopt
+from inverse.solvers.run import Run
+from inverse.solvers.slsqp import Slsqp
+from inverse.spec import SolverKeys
 from inverse.terms import separation
 
 MAX_ROUNDS = 40
@@ -30,23 +33,6 @@ GAIN = 1e-2  # on a target with kinks they end when two rounds together lower th
 SPACING = np.pi / 64  # of the states of the motion that are looked at, like the certificate's
 
 Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Where the rounds ended.
-
-    Attributes:
-        variables: (n,) the design.
-        multipliers: (R,) of the problem's rows.
-        problem: the last problem.
-        parameters: the parameters that the verdict is to use.
-    """
-
-    variables: FloatArray
-    multipliers: FloatArray
-    problem: Problem
-    parameters: FloatArray
 
 
 @dataclass
@@ -60,6 +46,8 @@ class Rounds:
         method: the solver, ipopt or nlopt.
         start: (n,) variables to start from instead of the seed, or None.
         multipliers: (R,) that belong to the start, where a solution is the start, or None.
+        step: of the policy, for the report.
+        attempts: what was tried so far.
     """
 
     formulation: Formulation
@@ -68,14 +56,20 @@ class Rounds:
     method: str
     start: FloatArray | None = None
     multipliers: FloatArray | None = None
+    step: str = "start"
+    attempts: list[Attempt] = field(default_factory=list)
 
     @cached_property
     def runs(self) -> Runs:
-        """The runs of the solver, and what they did."""
+        """The runs of the solver."""
         return Runs(self.formulation.goal, self.options, self.control, self.method)
 
-    def run(self) -> Solution:
-        """Solve; where facets cross, keep them apart and solve again from the seed."""
+    def run(self) -> Point:
+        """Solve; where facets cross, keep them apart and solve again from the seed.
+
+        Returns:
+            Where the rounds ended, with the last problem and the parameters that the verdict is to use.
+        """
         model = self.formulation.goal.model
         start = self.start
         apart: dict[float, set[tuple[int, int]]] = {}  # by states
@@ -87,82 +81,89 @@ class Rounds:
                     extra += [] if one is None else [one]
                 else:
                     extra += separation.in_state(model, np.array(sorted(pairs)), t)
-            solution = self._fitted(start, extra)
+            point = self._fitted(start, extra)
             start = None
-            crossing = self._crossing(solution.variables)
+            crossing = self._crossing(point.variables)
             more = {t: pairs | apart.get(t, set()) for t, pairs in crossing.items()}
             if self.control.stopped or self.runs.round >= MAX_ROUNDS or {**apart, **more} == apart:
-                return solution
+                return point
             apart |= more
 
-    def unsolved(self) -> Solution:
-        """The start as a solution that no solver has touched."""
+    def unsolved(self) -> Point:
+        """The start as a point that no solver has touched."""
         return self._untouched(self.formulation.goal.seed_variables if self.start is None else self.start)
 
-    def abandoned(self) -> Solution:
-        """The best iterate as a solution, where the rounds broke off in the middle; the start if there is none."""
+    def abandoned(self) -> Point:
+        """The best iterate as a point, where the rounds broke off in the middle; the start if there is none."""
         best = self.runs.best
         return self.unsolved() if best is None else self._untouched(best)
 
-    def _untouched(self, x: FloatArray) -> Solution:
+    def _untouched(self, x: FloatArray) -> Point:
         goal = self.formulation.goal
         problem, _ = self._problem(self.formulation.sliding, [])
-        parameters = problem.parameters(objectives.refreshed(goal, goal.model.points(x)))
-        return Solution(x, np.zeros(problem.n_rows), problem, parameters)
+        return _refreshed(goal, Point(problem, x, problem.parameters()), goal.model.points(x))
 
-    def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Solution:
+    def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Point:
         """Rounds from a start, or the seed, until the closest points and the segments of polylines have settled."""
-        goal, model = self.formulation.goal, self.formulation.goal.model
-        x = goal.seed_variables if start is None else start
+        goal = self.formulation.goal
         sliding, seen = self.formulation.sliding, set()
-        history: list[tuple[float, Solution]] = []
-        multipliers, is_seed = None if start is None else self.multipliers, start is None
-        aim, before = model.points(x), None
         problem, solver = self._problem(sliding, extra)
-        if multipliers is not None and multipliers.size != problem.n_rows:
-            multipliers = None  # of a task with other constraints
-        if problem.not_a_number(x, problem.parameters()) is not None:
-            return Solution(x, np.zeros(problem.n_rows), problem, problem.parameters())
-        if start is not None:
-            # A start may be less feasible than the seed; who stops early gets the better of both.
-            value, _ = problem.objective_and_gradient(goal.seed_variables, problem.parameters())
-            self.runs.begin(goal.seed_variables, value)
+        at = self._beginning(problem, start)
+        if at.not_a_number is not None:
+            return at
+        is_seed, following = start is None, _Following(goal, goal.model.points(at.variables))
         while True:
             seen.add(_segments(sliding))
             # The problem comes with closest points for the seed.
-            parameters = problem.parameters(None if is_seed else objectives.refreshed(goal, aim))
-            self.runs.round += 1
-            attempt = self.runs.attempt(solver, problem, x, parameters, multipliers, is_seed=is_seed)
-            is_seed = False
-            x, multipliers = attempt.variables, attempt.multipliers
-            if self.control.stopped:
-                x = self.runs.kept(problem, parameters)
-            points = model.points(x)
-            rms = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)))
-            self.runs.attempts[-1]["fit_rms"] = rms
-            history.append((rms, Solution(x, multipliers, problem, parameters)))
-            fresh = problem.parameters(objectives.refreshed(goal, points))
+            at = at if is_seed else _refreshed(goal, at, following.aim)
+            run, rms = self._one_round(solver, at, is_seed=is_seed)
+            is_seed, at = False, run.end
+            points = goal.model.points(at.variables)
+            following.seen(at, rms)
+            fresh = _refreshed(goal, at, points)
             onward = [anchor.moved_on(points) for anchor in sliding]
             if (
-                self.runs.ends(attempt)
+                self.runs.ends(run)
                 or self.runs.round >= MAX_ROUNDS
-                or len(crossing_facets(points, model.pattern.faces_vertices))
+                or len(crossing_facets(points, goal.model.pattern.faces_vertices))
             ):
-                return Solution(x, multipliers, problem, fresh)
+                return fresh
             if _segments(onward) not in seen:
-                sliding, multipliers, history, aim, before = onward, None, [], points, None
+                sliding, following = onward, _Following(goal, points)
                 problem, solver = self._problem(sliding, extra)
-                continue
-            steepness = verdict.stationarity(problem, x, multipliers, fresh, goal)
-            if goal.is_exact or steepness < SETTLED * verdict.STATIONARITY:
-                return Solution(x, multipliers, problem, fresh)
-            if goal.target.has_kinks and len(history) > 3 and _no_gain([rms for rms, _ in history]):
-                # Between the facets of a target mesh the closest points jump to and fro for ever. The best round
-                # is the answer, stationary for the tangent planes that it was solved with.
-                return min(history, key=lambda entry: entry[0])[1]
-            step = points, points - aim
-            aim = points if goal.target.has_kinks else _ahead(step, before)
-            before = step
+                at = Point(problem, at.variables, problem.parameters())
+            elif goal.fitting.is_exact or verdict.stationarity(fresh, goal) < SETTLED * verdict.STATIONARITY:
+                return fresh
+            elif following.is_to_and_fro:
+                return following.best
+            else:
+                following.go_on(points)
+
+    def _beginning(self, problem: Problem, start: FloatArray | None) -> Point:
+        """Where the rounds begin; who stops early gets the better of a start and the seed."""
+        seed = Point(problem, self.formulation.goal.seed_variables, problem.parameters())
+        if start is None:
+            return seed
+        multipliers = self.multipliers
+        if multipliers is not None and multipliers.size != problem.n_rows:
+            multipliers = None  # of a task with other constraints
+        at = seed.moved(start).pushed(multipliers)
+        if at.not_a_number is None:
+            self.runs.begin(seed.variables, seed.objective)
+        return at
+
+    def _one_round(self, solver: Ipopt | Slsqp, at: Point, *, is_seed: bool) -> tuple[Run, float]:
+        """The last run of a round and the fit it came to; all runs are told."""
+        self.runs.round += 1
+        runs = self.runs.one_round(solver, at, is_seed=is_seed)
+        facets = len(self.formulation.goal.model.pattern.faces_vertices)
+        told = [attempt_of(run, self.step, self.method, facets, self.runs.round) for run in runs]
+        end = self.runs.kept(runs[-1].end) if self.control.stopped else runs[-1].end
+        goal = self.formulation.goal
+        distances = goal.fitting.distances(goal.model.points(end.variables))
+        rms = float(np.sqrt(np.mean(distances**2)))
+        self.attempts += [*told[:-1], replace(told[-1], fit_rms=rms)]
+        return replace(runs[-1], end=end), rms
 
     def _crossing(self, x: FloatArray) -> dict[float, set[tuple[int, int]]]:
         """Pairs of facets that cross in the design state, and those like them; then those in demanded states.
@@ -188,11 +189,53 @@ class Rounds:
             found |= dict(crossed[:1] + crossed[-1:])
         return found
 
-    def _problem(self, sliding: list[PolylineAnchor], extra: list[Constraint]) -> tuple[Problem, Solver | slsqp.Solver]:
+    def _problem(self, sliding: list[PolylineAnchor], extra: list[Constraint]) -> tuple[Problem, Ipopt | Slsqp]:
         goal = self.formulation.goal
         terms = [*self.formulation.fixed, *(s.constraint(goal.model) for s in sliding), *extra]
         problem = Problem(goal.n_variables, self.formulation.objectives, terms)
         return problem, self.runs.solver(problem)
+
+
+@dataclass
+class _Following:
+    """Closest points that follow a design from round to round.
+
+    Attributes:
+        goal: what is fitted.
+        aim: (V, 3) vertices that closest points are taken for.
+    """
+
+    goal: Goal
+    aim: FloatArray
+    _before: Step | None = None
+    _history: list[tuple[float, Point]] = field(default_factory=list)
+
+    def seen(self, point: Point, rms: float) -> None:
+        """Remember where a round ended, and its fit."""
+        self._history.append((rms, point))
+
+    def go_on(self, points: FloatArray) -> None:
+        """Aim further on, from the vertices (V, 3) that a round came to."""
+        step = points, points - self.aim
+        self.aim = points if self.goal.target.has_kinks else _ahead(step, self._before)
+        self._before = step
+
+    @property
+    def is_to_and_fro(self) -> bool:
+        """Whether closest points jump between the facets of a target mesh, which they would do for ever."""
+        return self.goal.target.has_kinks and len(self._history) > 3 and _no_gain([rms for rms, _ in self._history])
+
+    @property
+    def best(self) -> Point:
+        """The best round: stationary for the tangent planes that it was solved with."""
+        return min(self._history, key=lambda entry: entry[0])[1]
+
+
+def _refreshed(goal: Goal, point: Point, points: FloatArray) -> Point:
+    """A point with the target's closest points to vertices (V, 3)."""
+    if goal.fitting.is_exact:
+        return point
+    return point.given(point.problem.parameters(goal.fitting.refreshed(points)))
 
 
 def _ahead(step: Step, before: Step | None) -> FloatArray:

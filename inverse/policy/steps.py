@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,15 +13,18 @@ from inverse.certify import Certificate, check_frame
 from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.formulation.formulate import Formulation, formulate
+from inverse.nlp.point import Point
 from inverse.objectives import Goal
 from inverse.origami.pattern import Design
 from inverse.policy import coarse, verdict
+from inverse.policy.attempts import Attempt
 from inverse.policy.control import Control
-from inverse.policy.rounds import Rounds, Solution
+from inverse.policy.rounds import Rounds
+from inverse.policy.verdict import Judgement
 from inverse.solvers.ipopt import NEAR
 from inverse.solvers.projection import Projection, balanced, polish
-from inverse.solvers.run import INFEASIBLE, INVALID_NUMBER
-from inverse.spec import Loaded
+from inverse.solvers.run import Ending
+from inverse.spec import Loaded, SolverKeys
 
 FIRST_SHARE = 0.25  # of the target's heights: where a path from the seed to the target begins
 SHORTEST_SHARE = 1 / 8  # steps of the path that fail are halved down to this
@@ -34,30 +36,35 @@ class Outcome:
     """Where one step of the policy ended, polished and judged.
 
     Attributes:
-        solution: variables, multipliers, problem and parameters.
+        point: where.
         design: the design.
         certificate: its independent certificate.
-        judgement: of :func:`inverse.policy.verdict.judge`.
-        violation: largest violation of a constraint row, dimensionless.
-        objective: weighted objective.
+        judgement: our own verdict.
+        range_faults: what of an asked range of motion is not free, as sentences.
+        raised: what a step raised that should not, as sentences.
     """
 
-    solution: Solution
+    point: Point
     design: Design
     certificate: Certificate
-    judgement: dict[str, Any]
-    violation: float
-    objective: float
+    judgement: Judgement
+    range_faults: tuple[str, ...]
+    raised: tuple[str, ...] = ()
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """What fails of our own verdict, as sentences."""
+        return self.raised + self.judgement.failed + self.range_faults
 
     @property
     def converged(self) -> bool:
         """Stationary and feasible by our own test."""
-        return not self.judgement["failed"]
+        return not self.failed
 
     @property
     def is_feasible(self) -> bool:
         """Whether all constraints hold."""
-        return self.violation <= verdict.BOUND
+        return self.point.violation <= verdict.BOUND
 
     @property
     def is_solved(self) -> bool:
@@ -66,7 +73,12 @@ class Outcome:
 
     @property
     def _rank(self) -> tuple[bool, bool, float, float]:
-        return self.is_solved, self.certificate.certified, -max(self.violation, verdict.BOUND), -self.objective
+        return (
+            self.is_solved,
+            self.certificate.certified,
+            -max(self.point.violation, verdict.BOUND),
+            -self.point.objective,
+        )
 
     def better(self, other: Outcome | None) -> Outcome:
         """This one, unless the other is better."""
@@ -92,7 +104,7 @@ class Policy:
     loaded: Loaded
     formulation: Formulation
     control: Control
-    attempts: list[dict[str, Any]] = field(default_factory=list)
+    attempts: list[Attempt] = field(default_factory=list)
     seconds: dict[str, float] = field(
         default_factory=lambda: dict.fromkeys(("start", "build", "solve", "polish", "certify"), 0.0)
     )
@@ -130,7 +142,7 @@ class Policy:
             else:
                 best = outcome.better(best) if outcome is not None else best
         if self.failure is not None:  # told whatever the design is worth
-            best.judgement["failed"].insert(0, "the step {} raised {}".format(*self.failure))
+            best = replace(best, raised=("the step {} raised {}".format(*self.failure),))
         return best
 
     @property
@@ -139,13 +151,18 @@ class Policy:
         return self.control.stopped or self.not_a_number is not None or self.failure is not None
 
     @property
+    def _options(self) -> SolverKeys:
+        """How it is to be solved."""
+        return self.loaded.specification.solver
+
+    @property
     def _method(self) -> str:
         """The solver that was asked for."""
-        return self.loaded.specification.solver.method
+        return self._options.method
 
     def _again(self, best: Outcome) -> Outcome:
         """From the best design, with all that was learnt about multipliers forgotten."""
-        return self._solved("again from the best", self.formulation, best.solution.variables)
+        return self._solved("again from the best", self.formulation, best.point.variables)
 
     def _along_a_path(self, _: Outcome) -> Outcome | None:
         """From the seed by way of targets that are flatter, in steps as long as they succeed."""
@@ -155,33 +172,31 @@ class Policy:
             on_the_way = formulate(self.loaded, ahead) if ahead < 1 else self.formulation
             found = self._solved(f"path, {ahead:.3g} of the target", on_the_way, variables)
             if found.is_solved:
-                share, step, variables, outcome = ahead, 2 * step, found.solution.variables, found
+                share, step, variables, outcome = ahead, 2 * step, found.point.variables, found
             else:
                 step /= 2
         self.reached = share
         if outcome is None or share == 1:
             return outcome
         # The last design on the path, seen as one for the whole target.
-        return self._outcome(self._as_solution(outcome.solution.variables))
+        rounds = Rounds(self.formulation, self._options, self.control, self._method, outcome.point.variables)
+        return self._outcome(rounds.unsolved())
 
     def _by_nlopt(self, best: Outcome) -> Outcome | None:
         """With the other solver; not where IPOPT found each time that the constraints contradict each other."""
-        contradictory = all(a["ended"] == INFEASIBLE for a in self.attempts if "outcome" in a)
-        if self._method == "nlopt" or contradictory or best.solution.variables.size > NLOPT_LARGEST:
+        contradictory = all(a.ended == Ending.INFEASIBLE for a in self.attempts if a.outcome is not None)
+        if self._method == "nlopt" or contradictory or best.point.variables.size > NLOPT_LARGEST:
             return None
-        start = best.solution.variables if best.is_feasible else None
+        start = best.point.variables if best.is_feasible else None
         return self._solved("nlopt", self.formulation, start, method="nlopt")
 
     def _restored(self, best: Outcome) -> Outcome | None:
         """Bring the best design within its constraints by equation (9), if it is not."""
         if best.certificate.certified and best.is_feasible:
             return None
-        one = best.solution
-        moved = Projection(one.problem, one.parameters).moved(one.variables, 0 * one.variables)
+        moved = Projection().moved(best.point, 0 * best.point.variables)
         self._record("equation (9)", "within the constraints" if moved is not None else "no design found near by")
-        if moved is None:
-            return None
-        return self._outcome(Solution(moved, one.multipliers, one.problem, one.parameters))
+        return None if moved is None else self._outcome(moved)
 
     def _solved(
         self,
@@ -192,60 +207,38 @@ class Policy:
         method: str | None = None,
     ) -> Outcome:
         """One solve from a start, or the seed."""
-        options = self.loaded.specification.solver
-        rounds = Rounds(formulation, options, self.control, method or self._method, variables, multipliers)
-        outcome = self._outcome(self._run(step, rounds), formulation)
-        self.attempts[-1]["outcome"] = "; ".join(reasons(outcome)) or "certified and converged"
-        return outcome
-
-    def _run(self, step: str, rounds: Rounds) -> Solution:
+        rounds = Rounds(formulation, self._options, self.control, method or self._method, variables, multipliers, step)
         began = time.perf_counter()
         try:
-            solution = rounds.run()
+            point = rounds.run()
         except Exception as error:  # the best iterate is not to be lost with it
-            self.attempts += [{"step": step} | attempt for attempt in rounds.runs.attempts]
+            self.attempts += rounds.attempts
             self._fail(step, error)
-            return rounds.abandoned()
+            return self._outcome(rounds.abandoned(), formulation)
         self.seconds["build"] += rounds.runs.seconds_building
         self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
-        self.attempts += [{"step": step} | attempt for attempt in rounds.runs.attempts]
-        if not rounds.runs.attempts:
-            self._record(step, INVALID_NUMBER)
-        if self.attempts[-1]["ended"] == INVALID_NUMBER:
-            self.not_a_number = solution.problem.not_a_number(solution.variables, solution.parameters)
-        return solution
+        attempts = rounds.attempts or [Attempt(step, step, Ending.INVALID_NUMBER)]
+        if attempts[-1].ended == Ending.INVALID_NUMBER:
+            self.not_a_number = point.not_a_number
+        outcome = self._outcome(point, formulation)
+        said = "; ".join(reasons(outcome)) or "certified and converged"
+        self.attempts += [*attempts[:-1], replace(attempts[-1], outcome=said)]
+        return outcome
 
-    def _as_solution(self, variables: FloatArray) -> Solution:
-        """Variables as a solution, without multipliers, of the task's own problem."""
-        rounds = Rounds(self.formulation, self.loaded.specification.solver, self.control, self._method, variables)
-        return rounds.unsolved()
-
-    def _outcome(self, solution: Solution, formulation: Formulation | None = None) -> Outcome:
+    def _outcome(self, point: Point, formulation: Formulation | None = None) -> Outcome:
         """Polish, certify and judge."""
-        goal = (formulation or self.formulation).goal
-        problem, parameters = solution.problem, solution.parameters
+        asked = formulation or self.formulation
         began = time.perf_counter()
-        variables, multipliers = solution.variables, solution.multipliers
-        if not self.not_a_number:
-            variables = polish(problem, variables, parameters)
-            multipliers = balanced(problem, variables, multipliers, parameters)
-        design = goal.model.design(variables)
+        if self.not_a_number is None:
+            point = balanced(polish(point))
+        design = asked.goal.model.design(point.variables)
         polished = time.perf_counter()
         certificate = check_frame(frame_of(fold_file.document(design)))
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished
         with np.errstate(over="ignore", invalid="ignore"):  # figures that are no numbers are told as such
-            judgement = verdict.judge(problem, variables, multipliers, parameters, goal)
-        judgement["failed"] += verdict.range_faults((formulation or self.formulation).free_range, certificate)
-        objective, _ = problem.objective_and_gradient(variables, parameters)
-        return Outcome(
-            Solution(variables, multipliers, problem, parameters),
-            design,
-            certificate,
-            judgement,
-            problem.violation(variables, parameters),
-            objective,
-        )
+            judgement = verdict.judge(point, asked.goal)
+        return Outcome(point, design, certificate, judgement, verdict.range_faults(asked.free_range, certificate))
 
     def _from_coarse(self, loaded: Loaded, goal: Goal) -> FloatArray | None:
         """Variables to start a fine grid from, taken from a coarser one."""
@@ -255,25 +248,25 @@ class Policy:
         formulation = formulate(task)
         own = formulation.goal.model
         start = self._from_coarse(task, formulation.goal)
-        rounds = Rounds(formulation, task.specification.solver, self.control, self._method, start)
-        solution = rounds.run()
-        self.attempts += [{"step": "coarser grid"} | attempt for attempt in rounds.runs.attempts]
-        if self.control.stopped or solution.problem.violation(solution.variables, solution.parameters) > NEAR:
+        rounds = Rounds(formulation, self._options, self.control, self._method, start, step="coarser grid")
+        point = rounds.run()
+        self.attempts += rounds.attempts
+        if self.control.stopped or point.violation > NEAR:
             return None  # the seed is better than what failed already
-        points = own.points(solution.variables)
+        points = own.points(point.variables)
         return goal.start(coarse.spread(own.seed, points, goal.model.seed))
 
     def _fail(self, step: str, error: Exception) -> None:
         """End the solve with what a step raised."""
         self.failure, self.error = (step, f"{type(error).__name__}: {error}"), error
-        self._record(*self.failure)
-        self.attempts[-1]["traceback"] = traceback.format_exception(error)
+        told = tuple(traceback.format_exception(error))
+        self.attempts.append(Attempt(step, step, self.failure[1], traceback=told))
 
     def _record(self, step: str, ended: str) -> None:
-        self.attempts.append({"step": step, "method": step, "ended": ended, "iterations": 0})
+        self.attempts.append(Attempt(step, step, ended))
 
 
 def reasons(outcome: Outcome) -> list[str]:
     """Why an outcome is not certified and converged, as sentences; empty if it is."""
     failed = [check.sentence for check in outcome.certificate.checks.values() if not check.passed]
-    return [*failed, *outcome.judgement["failed"]]
+    return [*failed, *outcome.failed]

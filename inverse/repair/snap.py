@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from inverse import constraints
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
@@ -48,18 +49,16 @@ def snapped(design: Design) -> Snapped:
     """
     model = DesignModel(design)
     problem = Problem(model.n_variables, [], constraints.hard_constraints(model, {}))
-    parameters = problem.parameters()
-    x = model.seed_points.ravel()
-    wanted = problem.rows(x, parameters)
+    point = Point(problem, model.seed_points.ravel(), problem.parameters())
+    wanted = point.rows
     stages = max(1, int(np.ceil(np.abs(wanted).max(initial=0.0) / STAGE)))
     for stage in range(1, stages + 1):
-        problem.lower = problem.upper = wanted * (1 - stage / stages)
-        x = polish(problem, x, parameters)
-        if problem.violation(x, parameters) > SETTLED:
+        left = wanted * (1 - stage / stages)
+        point = polish(replace(point, problem=problem.bounded(left, left)))
+        if point.violation > SETTLED:
             break
-    problem.lower = problem.upper = np.zeros_like(wanted)
-    residual = problem.violation(x, parameters)
-    result = model.design(x)
+    residual = replace(point, problem=problem).violation
+    result = model.design(point.variables)
     return Snapped(result, residual, tuple(faults_of(design, result, residual)))
 
 

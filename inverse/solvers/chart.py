@@ -15,6 +15,7 @@ import scipy.sparse as sparse
 from scipy.sparse.linalg import SuperLU, splu
 
 from inverse._types import FloatArray
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 
 RESIDUAL = 1e-14  # of equations; where rounding does not allow it, no less than TOLERATED
@@ -41,14 +42,17 @@ class Functions:
     def rows(self, x: FloatArray) -> tuple[FloatArray, sparse.csr_matrix]:
         """Constraint rows (R,) and their Jacobian (R, n)."""
         began = time.perf_counter()
-        found = self.problem.rows_and_jacobian(x, self._parameters)
+        point = Point(self.problem, x, self._parameters)
+        jacobian = point.jacobian  # first: it brings the rows along
+        found = point.rows, jacobian
         self.seconds += time.perf_counter() - began
         return found
 
     def objective(self, x: FloatArray) -> tuple[float, FloatArray]:
         """Objective and its gradient (n,)."""
         began = time.perf_counter()
-        found = self.problem.objective_and_gradient(x, self._parameters)
+        point = Point(self.problem, x, self._parameters)
+        found = point.objective, point.gradient
         self.seconds += time.perf_counter() - began
         return found
 
@@ -61,7 +65,7 @@ class Functions:
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class ChartPoint:
     """A point of a chart.
 
     Attributes:
@@ -95,8 +99,8 @@ class Chart:
     def __init__(self, functions: Functions, origin: FloatArray) -> None:
         self._functions = functions
         problem = functions.problem
-        self._equations = np.flatnonzero(problem.lower == problem.upper)
-        self.place = Place(origin, *functions.objective(origin), *functions.rows(origin))
+        self._equations = problem.equations
+        self.place = ChartPoint(origin, *functions.objective(origin), *functions.rows(origin))
         self._normals = self.place.jacobian[self._equations]
         left = self._residual(self.place.rows)
         self.residual = left if np.abs(left).max(initial=0.0) > TOLERATED else np.zeros_like(left)
@@ -112,7 +116,7 @@ class Chart:
         """Multipliers (E,) of the equations that make a gradient (n,) tangential at the origin, or nearly so."""
         return np.asarray(-self._factors.solve(self._normals @ gradient))
 
-    def at(self, tangent: FloatArray, share: float) -> Place | None:
+    def at(self, tangent: FloatArray, share: float) -> ChartPoint | None:
         """The point over a tangent vector (n,), or None where Newton's method finds none.
 
         Args:
@@ -127,7 +131,7 @@ class Chart:
             missing = self._residual(rows) - wanted
             size = float(np.abs(missing).max(initial=0.0))
             if size <= RESIDUAL or 0.5 * last <= size <= TOLERATED:
-                return Place(x, *self._functions.objective(x), rows, jacobian)
+                return ChartPoint(x, *self._functions.objective(x), rows, jacobian)
             if not size <= 2 * last:  # not a number included
                 return None
             last = size
@@ -138,7 +142,7 @@ class Chart:
             x = x - self._normals.T @ factors.solve(missing)
         return None
 
-    def slopes(self, place: Place, vectors: sparse.csr_matrix, directions: FloatArray) -> FloatArray:
+    def slopes(self, place: ChartPoint, vectors: sparse.csr_matrix, directions: FloatArray) -> FloatArray:
         """Slopes of functions along the manifold.
 
         Args:

@@ -10,9 +10,11 @@ import casadi
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
+from inverse.nlp.layout import Layout
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.redundancy import redundant
-from inverse.solvers.run import LIMIT, Attempt, Progress
+from inverse.solvers.run import Ending, Progress, Run
 
 # Measured on domes and vaults of 16 x 16 to 32 x 32 facets. METIS ordering and the adaptive barrier make most of
 # the difference. The objective is scaled by us (SHARE), not by IPOPT.
@@ -50,6 +52,8 @@ NEAR = 1e-2  # ... but not while a violation is larger than this; from there on 
 SETTLED_CLOSE = 1e-3
 APPROACH_CLOSE = 100
 
+APPROACHING, STATIC, PIVOTED = "linearized constraints", "static pivots", "pivoting"  # methods, for the report
+
 NO_ROWS: IntArray = np.empty(0, np.int64)
 
 PIVOTING: dict[str, Any] = {"mumps_pivtol": 1e-6, "mumps_pivtolmax": 0.1}
@@ -81,7 +85,7 @@ class _Watch(casadi.Callback):
         self._limit, self._settled = limit, settled
         self._last = np.nan  # objective of the iterate before
         self._count = 0
-        self.ended: str | None = None
+        self.ended: Ending | None = None
         self.error: BaseException | None = None
 
     def get_n_in(self) -> int:
@@ -119,13 +123,13 @@ class _Watch(casadi.Callback):
             self.error = error
             return [1]
         if self._settled and violation <= NEAR and abs(progress.objective - last) <= self._settled * last:
-            self.ended = "Settled"
+            self.ended = Ending.SETTLED
         if progress.iteration >= self._limit:
-            self.ended = LIMIT
+            self.ended = Ending.LIMIT
         return [0 if self.ended is None else 1]
 
 
-class Solver:
+class Ipopt:
     """IPOPT on one problem; parameters change between runs without building anew.
 
     Args:
@@ -170,12 +174,11 @@ class Solver:
             self._solvers[warm, careful] = casadi.nlpsol("design", "ipopt", functions["nlp"], options)
         return self._solvers[warm, careful]
 
-    def approach(self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool) -> Attempt:
+    def approach(self, start: Point, limit: int, *, is_good: bool) -> Run:
         """Come near a solution with the constraints taken as linear in the Hessian.
 
         Args:
-            start: (n,) variables.
-            parameters: parameter vector of the problem.
+            start: where.
             limit: iterations.
             is_good: whether the start comes from a solution; it is not pushed off the bounds then.
 
@@ -184,24 +187,15 @@ class Solver:
         """
         close = self._problem.has_redundant_equations
         self._watch.begin(min(APPROACH_CLOSE if close else APPROACH, limit), SETTLED_CLOSE if close else SETTLED)
-        multipliers = np.zeros(self._problem.n_rows) if is_good else None
-        return self._run(start, self._problem.linearized(parameters), multipliers, NO_ROWS, careful=False)
+        linear = start.given(Layout.linearized(start.parameters))
+        warm = linear.pushed(np.zeros(self._problem.n_rows) if is_good else None)
+        return self._run(warm, start.parameters, NO_ROWS, APPROACHING, careful=False)
 
-    def run(
-        self,
-        start: FloatArray,
-        parameters: FloatArray,
-        multipliers: FloatArray | None,
-        limit: int,
-        *,
-        careful: bool,
-    ) -> Attempt:
-        """Solve from a start; of equations that repeat each other there only independent ones.
+    def run(self, start: Point, limit: int, *, careful: bool) -> Run:
+        """Solve from a start, warm where it has multipliers; of equations that repeat each other only independent ones.
 
         Args:
-            start: (n,) variables.
-            parameters: parameter vector of the problem.
-            multipliers: (R,) of an earlier run, for a warm start.
+            start: where.
             limit: iterations.
             careful: pivot for accuracy instead of speed; without, at most ``STALL`` iterations are made.
 
@@ -209,34 +203,27 @@ class Solver:
             BaseException: what the report function raised, KeyboardInterrupt included.
         """
         self._watch.begin(limit if careful else min(STALL, limit), 0.0)
-        left_out = redundant(self._problem, start, parameters)
-        return self._run(start, parameters, multipliers, left_out, careful=careful)
+        method = PIVOTED if careful else STATIC
+        return self._run(start, start.parameters, redundant(start), method, careful=careful)
 
-    def _run(
-        self,
-        start: FloatArray,
-        parameters: FloatArray,
-        multipliers: FloatArray | None,
-        left_out: IntArray,
-        *,
-        careful: bool,
-    ) -> Attempt:
+    def _run(self, start: Point, parameters: FloatArray, left_out: IntArray, method: str, *, careful: bool) -> Run:
+        """Solve; the end is a point of the given parameters."""
         began = time.perf_counter()
-        solver = self._solver(multipliers is not None, careful)
-        first = np.zeros(self._problem.n_rows) if multipliers is None else multipliers
+        solver = self._solver(start.multipliers is not None, careful)
         lower, upper = self._problem.lower.copy(), self._problem.upper.copy()
         lower[left_out], upper[left_out] = -np.inf, np.inf
-        out = solver(x0=start, p=parameters, lbg=lower, ubg=upper, lam_g0=first)
+        out = solver(x0=start.variables, p=start.parameters, lbg=lower, ubg=upper, lam_g0=start.balance)
         if self._watch.error is not None:
             raise self._watch.error
         stats = solver.stats()
-        return Attempt(
-            np.array(out["x"]).ravel(),
-            np.array(out["lam_g"]).ravel(),
-            self._watch.ended or str(stats["return_status"]),
+        end = Point(self._problem, np.array(out["x"]).ravel(), parameters, np.array(out["lam_g"]).ravel())
+        return Run(
+            end,
+            self._watch.ended or Ending(stats["return_status"]),
             int(stats["iter_count"]),
             time.perf_counter() - began,
             sum(
                 stats.get(f"t_wall_{name}", 0.0) for name in ("nlp_f", "nlp_g", "nlp_grad_f", "nlp_jac_g", "nlp_hess_l")
             ),
+            method,
         )

@@ -7,7 +7,7 @@ import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
 from inverse._types import FloatArray, IntArray
-from inverse.nlp.problem import Problem
+from inverse.nlp.point import Point
 
 CUT_OFF = 1e-13  # squared: directions in which no row changes by more than 3e-7 of a move are left alone
 EXACT = 1e-15  # residual below which there is nothing to remove
@@ -68,134 +68,117 @@ class LeastMove:
         return np.asarray(self._jacobian.T @ self._factors.solve(self._scale * change[self._given]))
 
 
-def polish(problem: Problem, variables: FloatArray, parameters: FloatArray, *, steps: int = 8) -> FloatArray:
-    """Move variables to the nearest point where all equations hold to rounding.
+def polish(point: Point, *, steps: int = 8) -> Point:
+    """Move a point to the nearest one where all equations hold to rounding.
 
     Args:
-        problem: gives rows and Jacobian; inequalities are left alone.
-        variables: (n,) near a solution.
-        parameters: parameter vector of the problem.
+        point: near a solution; inequalities are left alone.
         steps: at most so many steps.
 
     Returns:
-        (n,) variables; the given ones if no step made the residual smaller.
+        The point, with the same multipliers; the given one if no step made the residual smaller.
     """
-    equations = np.flatnonzero(problem.lower == problem.upper)
+    equations, lower = point.problem.equations, point.problem.lower
     if len(equations) == 0:
-        return variables
-    best, best_size = variables, np.inf
-    x = variables
+        return point
+    best, best_size = point, np.inf
+    at = point
     order = None
     for _ in range(steps + 1):  # the last step is looked at too
-        rows, jacobian = problem.rows_and_jacobian(x, parameters)
-        residual = rows[equations] - problem.lower[equations]
+        jacobian = at.jacobian  # first: it brings the rows along
+        residual = at.rows[equations] - lower[equations]
         size = float(np.abs(residual).max())
         if not size < best_size:  # nor if it is not a number
             break
-        best, best_size = x, size
+        best, best_size = at, size
         if size < EXACT:
             break
         least = LeastMove.of(jacobian[equations], order)
         if least is None:
             break
-        x, order = x - least(residual), least.order
+        at, order = at.moved(at.variables - least(residual)), least.order
     return best
 
 
-def balanced(problem: Problem, variables: FloatArray, multipliers: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Multipliers that fit a polished design: the least change of given ones that balances the gradient.
+def balanced(point: Point) -> Point:
+    """A polished point with multipliers that fit it: the least change of those it has that balances the gradient.
 
     A polish moves the design by little, but multipliers times the constraints' curvature times that little is what
-    stationarity is then short of.
-
-    Args:
-        problem: gives rows and Jacobian.
-        variables: (n,) the polished design.
-        multipliers: (R,) of all rows before the polish.
-        parameters: parameter vector of the problem.
-
-    Returns:
-        (R,) multipliers; those of idle bounds stay as they are.
+    stationarity is then short of. Those of idle bounds stay as they are.
     """
-    _, gradient = problem.objective_and_gradient(variables, parameters)
-    _, jacobian = problem.rows_and_jacobian(variables, parameters)
+    problem, multipliers = point.problem, point.balance
     largest = float(np.abs(multipliers).max(initial=0.0))
     active = np.flatnonzero((problem.lower == problem.upper) | (np.abs(multipliers) > ACTIVE * largest))
-    left = gradient + jacobian.T @ multipliers
-    least = LeastMove.of(jacobian[active]) if len(active) and np.isfinite(left).all() else None
+    left = point.lagrangian_gradient
+    least = LeastMove.of(point.jacobian[active]) if len(active) and np.isfinite(left).all() else None
     if least is None:
-        return multipliers
+        return point
     corrected = multipliers.copy()
     corrected[active] += least.multipliers(left)
-    better = np.abs(gradient + jacobian.T @ corrected).max() < np.abs(left).max()
-    return corrected if better else multipliers
+    better = np.abs(point.gradient + point.jacobian.T @ corrected).max() < np.abs(left).max()
+    return point.pushed(corrected) if better else point
 
 
 class Projection:
     """Moves within the constraints of one problem, one after the other, as a drag makes them.
 
-    Args:
-        problem: its equations hold after every move, and its inequalities too.
-        parameters: parameter vector of the problem.
+    Its equations hold after every move, and its inequalities too.
     """
 
-    def __init__(self, problem: Problem, parameters: FloatArray) -> None:
-        self._problem, self._parameters = problem, parameters
-        self._equations = np.flatnonzero(problem.lower == problem.upper)
+    def __init__(self) -> None:
         self._order: IntArray | None = None
 
-    def moved(self, x: FloatArray, wish: FloatArray) -> FloatArray | None:
+    def moved(self, point: Point, wish: FloatArray) -> Point | None:
         """One Euler step of equation (9): the wished move without what would violate the constraints.
 
         A bound that the step would exceed is held like an equation, and the step is made again.
 
         Args:
-            x: (n,) variables that satisfy the constraints.
+            point: variables that satisfy the constraints; of the same problem every time.
             wish: (n,) wished move.
 
         Returns:
-            (n,) variables that satisfy the constraints; None if the step is too long for Newton's method.
+            A point that satisfies the constraints; None if the step is too long for Newton's method.
         """
-        rows, jacobian = self._problem.rows_and_jacobian(x, self._parameters)
+        jacobian = point.jacobian  # first: it brings the rows along
         if not np.isfinite(jacobian.data).all():
             return None
         held: IntArray = np.empty(0, np.int64)
         while True:
-            chosen = np.concatenate([self._equations, held])
+            chosen = np.concatenate([point.problem.equations, held])
             least = self._least_move(jacobian[chosen], len(held))
             if least is None:
                 return None
             # What the wish does to the held rows is taken back; rows off their bounds are brought there.
-            off = rows[chosen] - self._bounds(rows, chosen)
-            trial = self._corrected(x + wish - least(jacobian[chosen] @ wish + off), chosen, least)
+            off = point.rows[chosen] - _bounds(point, chosen)
+            step = wish - least(jacobian[chosen] @ wish + off)
+            trial = self._corrected(point.moved(point.variables + step), chosen, least)
             if trial is None:
                 return None
-            beyond = np.setdiff1d(np.flatnonzero(self._problem.excess(trial, self._parameters) > WITHIN), chosen)
+            beyond = np.setdiff1d(np.flatnonzero(trial.excess > WITHIN), chosen)
             if len(beyond) == 0:
                 return trial
             held = np.concatenate([held, beyond])
 
-    def _corrected(self, x: FloatArray, chosen: IntArray, least: LeastMove) -> FloatArray | None:
+    def _corrected(self, point: Point, chosen: IntArray, least: LeastMove) -> Point | None:
         """Newton corrections until the chosen rows are at their bounds, with factors of a point near by."""
-        rows = self._problem.rows(x, self._parameters)
-        bounds = self._bounds(rows, chosen)
+        n_held = len(chosen) - len(point.problem.equations)
+        bounds = _bounds(point, chosen)
         size = np.inf
         for k in range(3 * CHORDS):
-            residual = rows[chosen] - bounds
+            residual = point.rows[chosen] - bounds
             last, size = size, float(np.abs(residual).max(initial=0.0))
             stuck = size > STUCK * last
             if size <= ENOUGH or (size <= 1e3 * ENOUGH and stuck):  # in rounding
-                return x
+                return point
             if not np.isfinite(size) or (size > last and size > 1.0):
                 return None
             if k % CHORDS == CHORDS - 1 or stuck:
-                _, jacobian = self._problem.rows_and_jacobian(x, self._parameters)
-                fresh = self._least_move(jacobian[chosen], len(chosen) - len(self._equations))
+                fresh = self._least_move(point.jacobian[chosen], n_held)
                 if fresh is None:
                     return None
                 least = fresh
-            x = x - least(residual)
-            rows = self._problem.rows(x, self._parameters)
+            point = point.moved(point.variables - least(residual))
         return None
 
     def _least_move(self, jacobian: sparse.csr_matrix, n_held: int) -> LeastMove | None:
@@ -204,11 +187,11 @@ class Projection:
             least = LeastMove.of(jacobian)
             self._order = None if least is None else least.order
             return least
-        n = len(self._equations)
+        n = jacobian.shape[0] - n_held
         return LeastMove.of(jacobian, np.concatenate([self._order, np.arange(n, n + n_held)]))
 
-    def _bounds(self, rows: FloatArray, chosen: IntArray) -> FloatArray:
-        """The bound that each of the chosen rows is nearest to."""
-        lower, upper = self._problem.lower[chosen], self._problem.upper[chosen]
-        own = rows[chosen]
-        return np.asarray(np.where(np.abs(own - lower) <= np.abs(own - upper), lower, upper))
+
+def _bounds(point: Point, chosen: IntArray) -> FloatArray:
+    """The bound that each of the chosen rows is nearest to."""
+    lower, upper, own = point.problem.lower[chosen], point.problem.upper[chosen], point.rows[chosen]
+    return np.asarray(np.where(np.abs(own - lower) <= np.abs(own - upper), lower, upper))

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
-from inverse.solvers.ipopt import Solver
-from inverse.solvers.run import Attempt
+from inverse.solvers.ipopt import Ipopt
+from inverse.solvers.run import Run
 
 MARGIN = 0.1  # bounds closer than this fraction of their width, or this number where they have one side, are kept
 WORTHWHILE = 0.25  # of all bounds at most so many may be kept
@@ -20,64 +21,64 @@ class Relaxation:
     """A problem with fewer bounds.
 
     Attributes:
+        whole: the problem with all.
         problem: the problem that is left.
         rows: (R',) int, its rows in the whole problem.
     """
 
+    whole: Problem
     problem: Problem
     rows: IntArray
 
-    def parameters(self, whole: FloatArray) -> FloatArray:
-        """Its parameters, with those of the objectives as in the parameters of the whole problem."""
-        own, shared = self.problem.parameters(), self.problem.n_objective_parameters
-        return np.concatenate([whole[:shared], own[shared:]])
+    def own(self, point: Point) -> Point:
+        """A point of the whole problem as one of this problem, with the same parameters of the objectives."""
+        shared = self.whole.layout.n_objective
+        parameters = np.concatenate([point.parameters[:shared], self.problem.parameters()[shared:]])
+        multipliers = None if point.multipliers is None else point.multipliers[self.rows]
+        return Point(self.problem, point.variables, parameters, multipliers)
+
+    def back(self, point: Point, parameters: FloatArray) -> Point:
+        """A point of this problem as one of the whole problem with the given parameters."""
+        multipliers = np.zeros(self.whole.n_rows)
+        multipliers[self.rows] = point.balance
+        return Point(self.whole, point.variables, parameters, multipliers)
 
 
 @dataclass(frozen=True, eq=False)
-class LightSolver:
-    """A solver without idle bounds, to be used like one with all of them.
+class LightIpopt:
+    """IPOPT without idle bounds, to be used like one with all of them.
 
     Attributes:
         relaxation: what it solves.
-        n_rows: number of rows of the whole problem.
         solver: of the relaxation.
     """
 
     relaxation: Relaxation
-    n_rows: int
-    solver: Solver
+    solver: Ipopt
 
-    def approach(self, start: FloatArray, parameters: FloatArray, limit: int, *, is_good: bool) -> Attempt:
-        """As :meth:`Solver.approach`, with parameters and multipliers of the whole problem."""
-        own = self.relaxation.parameters(parameters)
-        return self._whole(self.solver.approach(start, own, limit, is_good=is_good))
+    def approach(self, start: Point, limit: int, *, is_good: bool) -> Run:
+        """As :meth:`Ipopt.approach`, from and to points of the whole problem."""
+        return self._whole(start, self.solver.approach(self.relaxation.own(start), limit, is_good=is_good))
 
-    def run(
-        self, start: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, limit: int, *, careful: bool
-    ) -> Attempt:
-        """As :meth:`Solver.run`, with parameters and multipliers of the whole problem."""
-        own, rows = self.relaxation.parameters(parameters), self.relaxation.rows
-        first = None if multipliers is None else multipliers[rows]
-        return self._whole(self.solver.run(start, own, first, limit, careful=careful))
+    def run(self, start: Point, limit: int, *, careful: bool) -> Run:
+        """As :meth:`Ipopt.run`, from and to points of the whole problem."""
+        return self._whole(start, self.solver.run(self.relaxation.own(start), limit, careful=careful))
 
-    def _whole(self, attempt: Attempt) -> Attempt:
-        multipliers = np.zeros(self.n_rows)
-        multipliers[self.relaxation.rows] = attempt.multipliers
-        return replace(attempt, multipliers=multipliers)
+    def _whole(self, start: Point, run: Run) -> Run:
+        end = self.relaxation.back(run.end, start.parameters)
+        return replace(run, end=end, method=f"{run.method}, without idle bounds")
 
 
-def relaxed(problem: Problem, variables: FloatArray, parameters: FloatArray) -> Relaxation | None:
+def relaxed(point: Point) -> Relaxation | None:
     """Leave out the bounds that are far from active.
 
     Args:
-        problem: the whole problem.
-        variables: (n,) where a run stands.
-        parameters: of the whole problem.
+        point: where a run stands, of the whole problem.
 
     Returns:
         The relaxation, or None if too few bounds can be left out.
     """
-    values = problem.rows(variables, parameters)
+    problem, values = point.problem, point.rows
     width = np.where(np.isfinite(problem.upper - problem.lower), problem.upper - problem.lower, 1.0)
     slack = np.minimum(values - problem.lower, problem.upper - values)
     needed = (slack < MARGIN * width) | (width == 0.0)
@@ -93,4 +94,5 @@ def relaxed(problem: Problem, variables: FloatArray, parameters: FloatArray) -> 
         start += count * k
     if kept > WORTHWHILE * (kept + dropped) or dropped == 0 or not constraints:
         return None
-    return Relaxation(Problem(problem.n_variables, problem.objectives, constraints), np.concatenate(rows))
+    light = Problem(problem.n_variables, problem.objectives, constraints)
+    return Relaxation(problem, light, np.concatenate(rows))

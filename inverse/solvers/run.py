@@ -3,14 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 from inverse._types import FloatArray
+from inverse.nlp.point import Point
 
-# IPOPT's words for runs that did not end at a solution; other solvers use the same.
-GIVEN_UP = "User_Requested_Stop"  # who is told an iterate says stop
-LIMIT = "Maximum_Iterations_Exceeded"
-INFEASIBLE = "Infeasible_Problem_Detected"
-INVALID_NUMBER = "Invalid_Number_Detected"
+
+class Ending(StrEnum):
+    """How a run ended, in IPOPT's words and one of ours; other solvers use the same."""
+
+    SOLVED = "Solve_Succeeded"
+    ACCEPTABLE = "Solved_To_Acceptable_Level"
+    SETTLED = "Settled"  # an approach that came as near as it should
+    FEASIBLE = "Feasible_Point_Found"
+    GIVEN_UP = "User_Requested_Stop"  # who is told an iterate said stop
+    LIMIT = "Maximum_Iterations_Exceeded"
+    NO_STEP = "Search_Direction_Becomes_Too_Small"
+    INFEASIBLE = "Infeasible_Problem_Detected"
+    INVALID_NUMBER = "Invalid_Number_Detected"
+    RESTORATION_FAILED = "Restoration_Failed"
+    STEP_FAILED = "Error_In_Step_Computation"
+    DIVERGING = "Diverging_Iterates"
+    FEW_FREEDOMS = "Not_Enough_Degrees_Of_Freedom"
+    OTHER = "Internal_Error"
+
+    @classmethod
+    def _missing_(cls, value: object) -> Ending:
+        return cls.OTHER
 
 
 @dataclass(frozen=True)
@@ -31,26 +50,21 @@ class Progress:
 
 
 @dataclass(frozen=True, eq=False)
-class Attempt:
-    """How a run ended. ``variables`` is the last iterate; whether it is any good is not for the solver to say.
+class Run:
+    """How a run ended. ``end`` is the last iterate; whether it is any good is not for the solver to say.
 
     Attributes:
-        variables: (n,) last iterate.
-        multipliers: (R,) of the constraint rows; positive pushes down from an upper bound.
-        status: the solver's own word, or that the iterates settled.
+        end: the last iterate with its multipliers.
+        ending: the solver's own word, or that the iterates settled.
         iterations: number of iterations.
         seconds: wall time, building included when the solver is used for the first time.
         seconds_functions: part of it in the functions of the problem; linear algebra takes most of the rest.
+        method: how, for the report.
     """
 
-    variables: FloatArray
-    multipliers: FloatArray
-    status: str
+    end: Point
+    ending: Ending
     iterations: int
     seconds: float
     seconds_functions: float
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether the solver reached its tolerances, not merely its acceptable ones."""
-        return self.status == "Solve_Succeeded"
+    method: str

@@ -17,15 +17,17 @@ import scipy.sparse as sparse
 from scipy.optimize import nnls
 
 from inverse._types import FloatArray, IntArray
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
-from inverse.solvers.chart import Chart, Functions, Place
-from inverse.solvers.run import GIVEN_UP, Attempt, Progress
+from inverse.solvers.chart import Chart, ChartPoint, Functions
+from inverse.solvers.run import Ending, Progress, Run
 
 EVALUATIONS = 10  # in one chart: taking the curvature anew costs little more than one
+REDUCED = "SLSQP where all equations hold"  # method, for the report
 REACH = 0.13  # first trust region: move along one axis of a chart, in mean edges times the root of the variables
 NARROW = 1e-5  # ... and where it has become this small, nothing better is found
 NOTHING = 1e-12  # of the objective: a gain that may be rounding
-FAR = 2.0  # bounds are watched that a step of this many times Newton's length might reach
+WATCHED = 2.0  # bounds are watched that a step of this many times Newton's length might reach
 FLAT = 1e-4  # of the largest curvature: what is less counts as this
 EQUATION, BOUND = 1e-9, 1e-8  # of a solution
 FAIR = 1e-6  # gradient that counts as solved where rounding allows no less, see verdict.STATIONARITY
@@ -34,7 +36,7 @@ SAME = 1e-6  # difference of rows that count as the same, relative to their slop
 OVERWEIGHT = 10.0  # of a residual that is left at the start of a chart, relative to what the objective gains by it
 
 
-class Solver:
+class Slsqp:
     """nlopt on one problem; parameters change between runs without building anew.
 
     Args:
@@ -49,22 +51,21 @@ class Solver:
     ) -> None:
         self._problem, self._tolerance, self._steepness, self._report = problem, tolerance, steepness, report
 
-    def run(self, start: FloatArray, parameters: FloatArray, multipliers: FloatArray | None, limit: int) -> Attempt:
-        """Solve from a start.
+    def run(self, start: Point, limit: int) -> Run:
+        """Solve from a start; its multipliers, where it has some, are for the first curvature.
 
         Args:
-            start: (n,) variables.
-            parameters: parameter vector of the problem.
-            multipliers: (R,) of an earlier run, for the first curvature.
+            start: where.
             limit: evaluations of the functions.
 
         Raises:
             BaseException: what the report function raised, KeyboardInterrupt included.
         """
+        parameters, multipliers = start.parameters, start.multipliers
         began = time.perf_counter()
         functions = Functions(self._problem, parameters)
-        chart = Chart(functions, start)
-        reach, count, stalled = REACH * np.sqrt(len(start)), 0, False
+        chart = Chart(functions, start.variables)
+        reach, count, stalled = REACH * np.sqrt(len(start.variables)), 0, False
         while True:
             found = _multipliers(self._problem, chart)
             status = self._status(chart.place, found, stalled, count >= limit, reach)
@@ -80,21 +81,23 @@ class Solver:
                     chart = Chart(functions, search.best.variables)
                 if not search.given_up:
                     continue
-                status = GIVEN_UP
-            seconds = time.perf_counter() - began
-            return Attempt(chart.place.variables, found, status, count, seconds, functions.seconds)
+                status = Ending.GIVEN_UP
+            end = Point(self._problem, chart.place.variables, parameters, found)
+            return Run(end, status, count, time.perf_counter() - began, functions.seconds, REDUCED)
 
-    def _status(self, place: Place, multipliers: FloatArray, stalled: bool, is_limit: bool, reach: float) -> str | None:
+    def _status(
+        self, place: ChartPoint, multipliers: FloatArray, stalled: bool, is_limit: bool, reach: float
+    ) -> Ending | None:
         """How the run ends here, if it does."""
         lower, upper = self._problem.lower, self._problem.upper
         beyond = np.maximum(lower - place.rows, place.rows - upper)
         steep = np.abs(place.gradient + place.jacobian.T @ multipliers).max() / self._steepness
         feasible = bool((beyond <= np.where(lower == upper, EQUATION, BOUND)).all())
         if feasible and steep <= (max(FAIR, self._tolerance) if stalled else self._tolerance):
-            return "Solve_Succeeded"
+            return Ending.SOLVED
         if is_limit:
-            return "Maximum_Iterations_Exceeded"
-        return "Search_Direction_Becomes_Too_Small" if reach < NARROW else None
+            return Ending.LIMIT
+        return Ending.NO_STEP if reach < NARROW else None
 
 
 class _Search:
@@ -126,7 +129,7 @@ class _Search:
         self._unit = length**2  # of the objective
         self._directions = tangents @ axes * (length * scale)
         # Bounds cost nlopt time; those that no step will reach are left out.
-        self._bounds = np.where(reach > FAR * length * scale, np.inf, reach / (length * scale))
+        self._bounds = np.where(reach > WATCHED * length * scale, np.inf, reach / (length * scale))
         lower, upper = problem.lower, problem.upper
         inequalities = lower != upper
         # Exact penalties: of bounds, to compare points that violate them; of the residual, as nlopt minimizes it.
@@ -138,7 +141,7 @@ class _Search:
         self._least = 1.0 - min(1.0, reach / step) if step > 0.0 else 1.0
         self._low, self._high = self._watched()
         self._merit = self._value(place, 1.0)
-        self._last: tuple[bytes, Place | None] = (b"", None)
+        self._last: tuple[bytes, ChartPoint | None] = (b"", None)
 
     def run(self, limit: int) -> None:
         """Let nlopt minimize, and keep the best point.
@@ -171,7 +174,7 @@ class _Search:
         inequalities = np.flatnonzero(problem.lower != problem.upper)
         slopes = place.jacobian[inequalities] @ self._directions
         steepness = np.linalg.norm(slopes, axis=1)
-        reachable = FAR * (steepness + np.abs(place.jacobian @ self._chart.correction)[inequalities])
+        reachable = WATCHED * (steepness + np.abs(place.jacobian @ self._chart.correction)[inequalities])
         found = []
         for sign, slack in ((-1, place.rows - problem.lower), (1, problem.upper - place.rows)):
             near = np.flatnonzero(slack[inequalities] <= reachable)
@@ -206,12 +209,12 @@ class _Search:
         if gradient.size:
             gradient[:] = self._slopes(place, sparse.vstack([-place.jacobian[low], place.jacobian[high]]).tocsr())
 
-    def _slopes(self, place: Place, vectors: sparse.csr_matrix) -> FloatArray:
+    def _slopes(self, place: ChartPoint, vectors: sparse.csr_matrix) -> FloatArray:
         slopes = self._chart.slopes(place, vectors, self._directions)
         slopes[:, -1] *= self._share
         return slopes
 
-    def _place(self, y: FloatArray) -> Place | None:
+    def _place(self, y: FloatArray) -> ChartPoint | None:
         """The point at y; None where there is none, and when the run is over."""
         if self.error is not None or self.given_up:
             return None
@@ -238,7 +241,7 @@ class _Search:
             return None
         return place
 
-    def _value(self, place: Place, share: float) -> float:
+    def _value(self, place: ChartPoint, share: float) -> float:
         """Objective and exact penalties."""
         lower, upper = self._problem.lower, self._problem.upper
         beyond = np.maximum(lower - place.rows, place.rows - upper)[lower != upper]

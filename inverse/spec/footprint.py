@@ -34,7 +34,7 @@ def radians(state: str | float) -> float:
     return {"developed": 0.0, "flat-folded": math.pi}[state] if isinstance(state, str) else math.radians(state)
 
 
-class Footprint(Model):
+class FootprintKeys(Model):
     """What the objective ``footprint`` makes small."""
 
     state: State = Field(default="flat-folded", description=_DESCRIPTION)

@@ -193,7 +193,7 @@ def _tag_of_pattern(value: Any) -> str:
     return f"<{_KINDS[value.get('kind', 'grid')].__name__}>"
 
 
-Pattern = Annotated[
+PatternKeys = Annotated[
     Annotated[GridPattern, Tag("<GridPattern>")]
     | Annotated[TubePattern, Tag("<TubePattern>")]
     | Annotated[FilePattern, Tag("<FilePattern>")],

@@ -27,47 +27,47 @@ from inverse.spec.fields import (
     row,
     word,
 )
-from inverse.spec.footprint import Footprint, FootprintLimits
-from inverse.spec.pattern import FilePattern, GridPattern, Pattern, TubePattern
-from inverse.spec.target import BetweenTarget, HeightTarget, MeshTarget, Target, TubeTarget
+from inverse.spec.footprint import FootprintKeys, FootprintLimits
+from inverse.spec.pattern import FilePattern, GridPattern, PatternKeys, TubePattern
+from inverse.spec.target import BetweenKeys, HeightKeys, MeshKeys, TargetKeys, TubeKeys
 from inverse.spec.validation import validate
 from inverse.spec.yaml_source import Source
 from inverse.words import did_you_mean
 
 __all__ = [
     "Anchor",
-    "BetweenTarget",
+    "BetweenKeys",
     "Circle",
     "Constraints",
-    "Context",
+    "ContextKeys",
     "FilePattern",
-    "Fit",
-    "Footprint",
+    "FitKeys",
+    "FootprintKeys",
     "FootprintLimits",
     "GridPattern",
-    "HeightTarget",
+    "HeightKeys",
     "KeepOut",
     "Loaded",
-    "MeshTarget",
-    "Place",
+    "MeshKeys",
+    "PlaceKeys",
     "Plane",
-    "Solver",
+    "SolverKeys",
     "Specification",
+    "TubeKeys",
     "TubePattern",
-    "TubeTarget",
     "from_mapping",
     "load",
 ]
 
 
-class Context(Model):
+class ContextKeys(Model):
     """The buildings that the design stands beside."""
 
     file: FileName = Field(description="file of the building context, looked up beside the specification")
     origin: Point | None = Field(default=None, description="point [x, y, z] of that file to be the origin")
 
 
-class Fit(Model):
+class FitKeys(Model):
     """What is fitted to the target."""
 
     points: Annotated[
@@ -87,7 +87,7 @@ class Fit(Model):
     )
 
 
-class Place(Model):
+class PlaceKeys(Model):
     """Where anchored vertices are held."""
 
     one_of: ClassVar[tuple[str, ...]] = ("point", "polyline", "polygon", "plane", "circle")
@@ -128,7 +128,7 @@ class Anchor(Model):
     every: Annotated[Integer, Field(ge=1)] = Field(
         default=1, description="1 to hold all of them, 2 to hold every second, and so on"
     )
-    to: Place = Field(description="where they are held: point, polyline, polygon, plane or circle")
+    to: PlaceKeys = Field(description="where they are held: point, polyline, polygon, plane or circle")
 
 
 class KeepOut(Model):
@@ -191,7 +191,7 @@ class Constraints(Model):
     footprint: FootprintLimits | None = Field(default=None, description="the box that a state has to fit into")
 
 
-class Solver(Model):
+class SolverKeys(Model):
     """How the problem is solved."""
 
     method: Annotated[Literal["ipopt", "nlopt"], word("method", {"ipopt": "", "nlopt": ""})] = Field(
@@ -214,20 +214,20 @@ class Specification(Model):
         Literal["unit", "m", "cm", "mm", "um", "nm", "in"],
         word("unit", {"unit": "none", "m": "", "cm": "", "mm": "", "um": "", "nm": "", "in": "inches"}),
     ] = Field(default="m", description="unit of every length: unit (none), m, cm, mm, um, nm or in")
-    pattern: Pattern = Field(description="the pattern and its seed, of kind grid, tube or file")
-    context: Context | None = Field(default=None, description="the buildings around, if there are any")
-    target: Target = Field(description="the target surface, by exactly one of mesh, height, between and axis")
-    fit: Fit = Field(default=Fit(), description="what is fitted to the target")
+    pattern: PatternKeys = Field(description="the pattern and its seed, of kind grid, tube or file")
+    context: ContextKeys | None = Field(default=None, description="the buildings around, if there are any")
+    target: TargetKeys = Field(description="the target surface, by exactly one of mesh, height, between and axis")
+    fit: FitKeys = Field(default=FitKeys(), description="what is fitted to the target")
     objectives: dict[str, Annotated[Number, Field(ge=0)]] = Field(
         default_factory=dict, description="weights of objective terms by their names, each at least 0"
     )
-    footprint: Footprint = Field(default=Footprint(), description="what the objective footprint makes small")
+    footprint: FootprintKeys = Field(default=FootprintKeys(), description="what the objective footprint makes small")
     constraints: Constraints = Field(default=Constraints(), description="what must hold")
-    solver: Solver = Field(default=Solver(), description="how the problem is solved")
+    solver: SolverKeys = Field(default=SolverKeys(), description="how the problem is solved")
 
     @model_validator(mode="after")
     def _check_tube(self) -> Self:
-        has_axis = isinstance(self.target, TubeTarget)
+        has_axis = isinstance(self.target, TubeKeys)
         if isinstance(self.pattern, TubePattern) and not has_axis:
             raise refusal(
                 "a tube needs a target around an axis",

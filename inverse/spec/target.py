@@ -24,7 +24,7 @@ from inverse.spec.fields import (
 )
 
 
-class MeshTarget(Model):
+class MeshKeys(Model):
     """A target surface from a file."""
 
     mesh: FileName = Field(description="mesh file of the target, looked up beside the specification")
@@ -40,7 +40,7 @@ def _check_height(text: str) -> str:
     return text
 
 
-class HeightTarget(Model):
+class HeightKeys(Model):
     """A target surface z(x, y)."""
 
     height: Annotated[str, AfterValidator(_check_height)] = Field(
@@ -51,7 +51,7 @@ class HeightTarget(Model):
     )
 
 
-class BetweenTarget(Model):
+class BetweenKeys(Model):
     """A target surface that spans between two curves."""
 
     between: Annotated[tuple[Polyline, Polyline], row("polyline", "polyline")] = Field(
@@ -63,7 +63,7 @@ class BetweenTarget(Model):
     ] = Field(default="arc", description="section from curve to curve: arc, parabola or catenary")
 
 
-class Axis(Model):
+class AxisKeys(Model):
     """The centre line of a tube."""
 
     one_of: ClassVar[tuple[str, ...]] = ("polyline", "spline", "arc")
@@ -106,13 +106,13 @@ def _check_implicit(text: str) -> str:
     return text
 
 
-class TubeTarget(Model):
+class TubeKeys(Model):
     """A tube around an axis, by its radius or by a surface whose mean distance from the axis is the radius."""
 
     one_of: ClassVar[tuple[str, ...]] = ("radius", "mesh", "implicit")
     what: ClassVar[str] = "a target around an axis"
 
-    axis: Axis = Field(description="the centre line of the tube, by exactly one of polyline, spline and arc")
+    axis: AxisKeys = Field(description="the centre line of the tube, by exactly one of polyline, spline and arc")
     radius: (
         Annotated[
             Annotated[Positive, Tag("<number>")] | Annotated[Profile, Tag("<profile>")],
@@ -134,10 +134,10 @@ class TubeTarget(Model):
 
 
 _TARGETS: dict[str, type[Model]] = {
-    "mesh": MeshTarget,
-    "height": HeightTarget,
-    "between": BetweenTarget,
-    "axis": TubeTarget,
+    "mesh": MeshKeys,
+    "height": HeightKeys,
+    "between": BetweenKeys,
+    "axis": TubeKeys,
 }
 
 
@@ -154,15 +154,15 @@ def _tag_of_target(value: Any) -> str:
     if isinstance(value, BaseModel):
         return f"<{type(value).__name__}>"
     if "axis" in value:
-        return "<TubeTarget>"
+        return "<TubeKeys>"
     return next(f"<{model.__name__}>" for key, model in _TARGETS.items() if key in value)
 
 
-Target = Annotated[
-    Annotated[MeshTarget, Tag("<MeshTarget>")]
-    | Annotated[HeightTarget, Tag("<HeightTarget>")]
-    | Annotated[BetweenTarget, Tag("<BetweenTarget>")]
-    | Annotated[TubeTarget, Tag("<TubeTarget>")],
+TargetKeys = Annotated[
+    Annotated[MeshKeys, Tag("<MeshKeys>")]
+    | Annotated[HeightKeys, Tag("<HeightKeys>")]
+    | Annotated[BetweenKeys, Tag("<BetweenKeys>")]
+    | Annotated[TubeKeys, Tag("<TubeKeys>")],
     Discriminator(_tag_of_target),
     BeforeValidator(_check_target),
 ]

@@ -1,0 +1,97 @@
+"""What is measured of a design beside its target: fit, coverage, footprint. Plain data, as reports tell it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from inverse._types import FloatArray
+from inverse.crossing import triangles_of
+from inverse.objectives import Goal
+from inverse.origami import footprint as folded
+from inverse.origami import geometry
+from inverse.origami.pattern import Design
+from inverse.surfaces.mesh import MeshTarget
+from inverse.terms.packed import SIDES
+from inverse.terms.tube_fit import RingFit
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Distances of the fitted points from the target.
+
+    Attributes:
+        points: what is fitted: facets, layer, vertices or rings.
+        rms: root of the mean square, in length units.
+        max: the largest, in length units.
+        rms_relative: relative to the diagonal of the design's bounding box.
+        max_relative: the same of the largest.
+        start_rms: of the placed seed, before solving.
+        start_rms_relative: relative to the diagonal of the placed seed.
+        rings: what is told of tubes besides, or None.
+    """
+
+    points: str
+    rms: float
+    max: float
+    rms_relative: float
+    max_relative: float
+    start_rms: float
+    start_rms_relative: float
+    rings: RingFit | None
+
+    def document(self) -> dict[str, Any]:
+        """As in ``report.json``."""
+        found = asdict(self)
+        return found | (found.pop("rings") or {})
+
+
+def fit(goal: Goal, design: Design) -> Fit:
+    """The fit of a design, and the placed seed's."""
+    distances = goal.fitting.distances(design.vertices_coords)
+    at_start = goal.fitting.distances(goal.model.seed.vertices_coords)
+    size, start_size = (geometry.diagonal(d.vertices_coords) for d in (design, goal.model.seed))
+    rms, start_rms = (float(np.sqrt(np.mean(d**2))) for d in (distances, at_start))
+    largest = float(distances.max())
+    return Fit(
+        goal.fitting.points, rms, largest, rms / size, largest / size, start_rms, start_rms / start_size,
+        goal.fitting.told(design.vertices_coords),
+    )  # fmt: skip
+
+
+def coverage(goal: Goal, design: Design) -> float:
+    """Fraction of the target's area within one (mean) facet diameter of the mesh."""
+    faces, points = design.pattern.faces_vertices, design.vertices_coords
+    diameters = [max(np.linalg.norm(points[a] - points[b]) for a in face for b in face) for face in faces]
+    samples, areas = goal.target.samples()
+    distances = MeshTarget(points, triangles_of(faces)[0]).distances(samples)
+    return float(areas[distances <= np.mean(diameters)].sum() / areas.sum())
+
+
+def footprint(goal: Goal, x: FloatArray) -> dict[str, Any]:
+    """The footprint as reported: of the flat states, of those with variables of their own, and what was limited."""
+    states = folded.FLAT_STATES | {state.name: state.t for state in goal.packed}
+    return {**folded.measured(goal.model.design(x), states), "limits": limits(goal, x)}
+
+
+def limits(goal: Goal, x: FloatArray) -> list[dict[str, Any]]:
+    """Every limited extent and area: its limit and its value, in the box's directions, of the design as it folds.
+
+    Of the packed state's variables only the directions are believed: that a box so turned is large enough proves that
+    there is one.
+    """
+    found: list[dict[str, Any]] = []
+    design = goal.model.design(x)
+    for state in goal.packed:
+        points = folded.laid_out(design, state.t)[:, : state.dimension]
+        sizes = folded.extents(points, state.axes(x)).tolist()
+        limited = [(SIDES[k], size, float(state.limits[k])) for k, size in zip(state.sides, sizes, strict=True)]
+        limited.append(("area", sizes[0] * sizes[-1], state.area))
+        found += [
+            {"state": state.name, "measure": word, "value": value, "limit": limit}
+            for word, value, limit in limited
+            if np.isfinite(limit)
+        ]
+    return found
