@@ -13,12 +13,12 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
-from inverse import objectives
 from inverse.formulation.formulate import Formulation
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
-from inverse.policy import verdict
 from inverse.solvers.ipopt import OBJECTIVE_SCALE
+from inverse.terms.surface_fit import fit_vertices, mean_points
 
 LIMIT = 900.0  # seconds, of IPOPT with its own options
 
@@ -63,24 +63,24 @@ def paper(formulation: Formulation, rms: float, steps: int = 400) -> dict[str, f
     corners, facets = np.concatenate(faces), np.repeat(np.arange(len(faces)), [len(face) for face in faces])
     share = sparse.csr_matrix((np.ones(len(corners)), (corners, facets)), (model.pattern.n_vertices, len(faces)))
     share = sparse.diags(1 / np.asarray(share.sum(axis=1)).ravel()) @ share
-    groups = objectives.fit_vertices(model, "facets")
+    groups = fit_vertices(model, "facets")
     problem.functions  # noqa: B018  building is not part of the method
     began = time.perf_counter()
     x = model.seed_points.ravel()
     made, reached = 0, np.inf
     while made < steps:
         points = model.points(x)
-        middles = objectives.mean_points(points, groups)
-        reached = float(np.sqrt(np.mean(verdict.fit_distances(goal, points) ** 2)) / geometry.diagonal(points))
+        middles = mean_points(points, groups)
+        reached = float(np.sqrt(np.mean(goal.fitting.distances(points) ** 2)) / geometry.diagonal(points))
         if reached <= rms:
             break
         wish = 0.5 * (share @ (goal.target.closest(middles).feet - middles)) / model.scale
-        _, jacobian = problem.rows_and_jacobian(x, p)
+        jacobian = Point(problem, x, p).jacobian
         inverse = np.linalg.pinv(jacobian.toarray())
         move = wish.ravel()
         x = x + move - inverse @ (jacobian @ move)
         for _ in range(3):
-            x = x - inverse @ problem.rows(x, p)
+            x = x - inverse @ Point(problem, x, p).rows
         made += 1
     return {"seconds": time.perf_counter() - began, "steps": made, "rms": reached}
 
@@ -91,9 +91,9 @@ def floor(formulation: Formulation) -> dict[str, float | str]:
     problem = Problem(model.seed_points.size, formulation.objectives, [c for c in formulation.fixed if c.is_equation])
     p = problem.parameters()
     x = model.seed_points.ravel() + 1e-3 * np.random.default_rng(0).standard_normal(problem.n_variables)
-    _, jacobian = problem.rows_and_jacobian(x, p)
+    jacobian = Point(problem, x, p).jacobian
     scale = OBJECTIVE_SCALE * model.refinement**2
-    upper = problem.functions["hess_lag"](x, problem.linearized(p), scale, np.zeros(problem.n_rows)).sparse()
+    upper = problem.functions["hess_lag"](x, problem.layout.linearized(p), scale, np.zeros(problem.n_rows)).sparse()
     hessian = upper + sparse.triu(upper, 1).T + 1e-4 * sparse.identity(problem.n_variables)
     corner = -1e-8 * sparse.identity(problem.n_rows)
     matrix = sparse.bmat([[hessian, jacobian.T], [jacobian, corner]], format="csc")

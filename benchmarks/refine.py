@@ -22,6 +22,7 @@ from inverse.dragging import LIMITS
 from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.solvers.projection import Projection
@@ -37,10 +38,9 @@ def step(size: int) -> dict[str, Any]:
     began = time.perf_counter()
     model = DesignModel(design)
     problem = Problem(model.n_variables, [], constraints.hard_constraints(model, LIMITS))
-    parameters = problem.parameters()
-    projection = Projection(problem, parameters)
-    x = model.seed_points.ravel()
-    problem.rows_and_jacobian(x, parameters)
+    projection = Projection()
+    at = Point(problem, model.seed_points.ravel(), problem.parameters())
+    at.jacobian  # noqa: B018  builds the functions
     built = time.perf_counter() - began
     points = model.seed_points
     weights = np.exp(-((np.linalg.norm(points - points[0], axis=1) / (geometry.diagonal(points) / 4)) ** 2))
@@ -49,12 +49,12 @@ def step(size: int) -> dict[str, Any]:
     equations = problem.lower == problem.upper
     for _ in range(STEPS):
         began = time.perf_counter()
-        moved = projection.moved(x, wish)
+        moved = projection.moved(at, wish)
         seconds.append(time.perf_counter() - began)
         if moved is None:
             raise RuntimeError("a step was too long")
-        x = moved
-        residuals.append(float(np.abs(problem.rows(x, parameters)[equations]).max()))
+        at = moved
+        residuals.append(float(np.abs(at.rows[equations]).max()))
     return {
         "facets": size * size,
         "build": built,

@@ -26,6 +26,7 @@ from inverse import constraints, cylinder_loop, pictures
 from inverse.formulation import formulate
 from inverse.model import DesignModel
 from inverse.nlp import redundancy
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.spec import from_mapping
 
@@ -120,7 +121,7 @@ def freedom(sides: int, rows: int) -> tuple[int, int]:
     found = []
     for loop in (cylinder_loop.around_holes(model, how) for how in ("bars", "exact")):
         problem = Problem(model.n_variables, [], [*vertices, *loop])
-        told = redundancy.dependence(problem, model.seed_points.ravel(), problem.parameters())
+        told = redundancy.dependence(Point(problem, model.seed_points.ravel(), problem.parameters()))
         found.append(int(told["freedom"]) - 6)
     return found[0], found[1]
 

@@ -11,6 +11,7 @@ from designs import perturbed
 
 from inverse import constraints
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import folding, geometry
 from inverse.origami.pattern import B, Design
@@ -21,9 +22,9 @@ def generic(design: Design, size: float = 0.05, seed: int = 1) -> Design:
     """An exact design without any symmetry, not far from a given one."""
     model = DesignModel(design)
     problem = Problem(model.n_variables, [], constraints.hard_constraints(model, {}))
-    x = polish(problem, model.to_dimensionless(perturbed(design, size, seed).vertices_coords).ravel(),
-               problem.parameters(), steps=20)  # fmt: skip
-    assert problem.violation(x, problem.parameters()) < 1e-14
+    points = model.to_dimensionless(perturbed(design, size, seed).vertices_coords)
+    x = polish(Point(problem, points.ravel(), problem.parameters()), steps=20).variables
+    assert Point(problem, x, problem.parameters()).violation < 1e-14
     return model.design(x)
 
 

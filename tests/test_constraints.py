@@ -23,6 +23,7 @@ from designs import (
 
 from inverse import constraints
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
 from inverse.origami import folding, geometry
@@ -67,7 +68,7 @@ def test_equations_of_a_disk_are_independent(name: str) -> None:
     """Full row rank, so that the solutions near the seed have the dimension counted by the pattern."""
     design = DISKS[name]()
     problem = equations(design)
-    _, jacobian = problem.rows_and_jacobian(DesignModel(design).seed_points.ravel(), problem.parameters())
+    jacobian = Point(problem, DesignModel(design).seed_points.ravel(), problem.parameters()).jacobian
     sizes = np.linalg.svd(jacobian.toarray(), compute_uv=False)
     assert len(sizes) == problem.n_rows
     assert sizes[-1] > 1e-3 * sizes[0] / np.sqrt(problem.n_rows)
@@ -78,7 +79,7 @@ def test_equations_of_a_disk_are_independent(name: str) -> None:
 
 def test_equations_of_a_symmetric_tube_are_not() -> None:
     problem = equations(design := tube(6, 3))
-    _, jacobian = problem.rows_and_jacobian(DesignModel(design).seed_points.ravel(), problem.parameters())
+    jacobian = Point(problem, DesignModel(design).seed_points.ravel(), problem.parameters()).jacobian
     assert problem.n_rows == 2 * 12 + 18
     assert np.linalg.matrix_rank(jacobian.toarray(), tol=1e-9) < problem.n_rows
 
@@ -87,8 +88,10 @@ def test_vertices_of_a_tube_do_not_close_its_motion() -> None:
     """math.md 5: every vertex and facet can be right and the strips around still part when it moves."""
     design = tube(6, 3)
     problem, model = equations(design), DesignModel(design)
-    x = polish(problem, model.to_dimensionless(perturbed(design, 0.02).vertices_coords).ravel(), problem.parameters())
-    assert_close(problem.rows_and_jacobian(x, problem.parameters())[0], 0, 1e-13)
+    x = polish(
+        Point(problem, model.to_dimensionless(perturbed(design, 0.02).vertices_coords).ravel(), problem.parameters())
+    ).variables
+    assert_close(Point(problem, x, problem.parameters()).rows, 0, 1e-13)
     assert folding.fold(model.design(x), np.array([0.5])).gap[0] > 1e-5
 
 

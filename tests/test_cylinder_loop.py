@@ -16,6 +16,7 @@ from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.redundancy import dependence, independent, redundant
 from inverse.origami import geometry
@@ -43,7 +44,7 @@ def exact(design: Design, *, closed: bool = True) -> tuple[DesignModel, Problem]
 
 
 def jacobian_of(problem: Problem, x: FloatArray) -> FloatArray:
-    return np.asarray(problem.rows_and_jacobian(x, problem.parameters())[1].toarray())
+    return np.asarray(Point(problem, x, problem.parameters()).jacobian.toarray())
 
 
 def rank(jacobian: FloatArray) -> int:
@@ -62,9 +63,9 @@ def generic(problem: Problem, x: FloatArray, amount: float = 0.02) -> FloatArray
     x = x + amount * np.random.default_rng(0).standard_normal(x.size)
     for _ in range(12):
         u, sizes, v = np.linalg.svd(jacobian_of(problem, x), full_matrices=False)
-        residual = problem.rows(x, problem.parameters()) - problem.lower
+        residual = Point(problem, x, problem.parameters()).rows - problem.lower
         x = x - v[:kept].T @ ((u.T @ residual)[:kept] / sizes[:kept])
-    assert problem.violation(x, problem.parameters()) < 1e-12
+    assert Point(problem, x, problem.parameters()).violation < 1e-12
     return x
 
 
@@ -120,11 +121,11 @@ def test_dimension_of_tubes(k: int, rows: int) -> None:
     for x in (model.seed_points.ravel(), generic(problem, model.seed_points.ravel())):
         found = rank(jacobian_of(problem, x))
         assert problem.n_variables - found == 3 * rows + 7 * k // 2
-        left_out = redundant(problem, x, problem.parameters())
+        left_out = redundant(Point(problem, x, problem.parameters()))
         assert len(left_out) == problem.n_rows - found == 3 * (rows - 1)
         kept = np.setdiff1d(np.arange(problem.n_rows), left_out)
         assert rank(jacobian_of(problem, x)[kept]) == len(kept)
-        told = dependence(problem, x, problem.parameters())
+        told = dependence(Point(problem, x, problem.parameters()))
         assert (told["rows"], told["rank"], told["freedom"]) == (problem.n_rows, found, 3 * rows + 7 * k // 2)
         assert 1 < told["condition"] < 1e3
 
@@ -256,4 +257,4 @@ def test_independent_rows() -> None:
 
 def test_disks_have_no_redundant_equations() -> None:
     model, problem = exact(miura())
-    assert len(redundant(problem, model.seed_points.ravel(), problem.parameters())) == 0
+    assert len(redundant(Point(problem, model.seed_points.ravel(), problem.parameters()))) == 0

@@ -15,6 +15,7 @@ from inverse.dragging import LIMITS
 from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
@@ -39,16 +40,16 @@ def test_a_step_is_the_wish_without_what_leaves_the_constraints() -> None:
     """To first order: the dense projection (I - A^+ A) of the wish."""
     model, problem = posed(miura(4, 5))
     x = model.seed_points.ravel()
-    _, jacobian = problem.rows_and_jacobian(x, problem.parameters())
+    jacobian = Point(problem, x, problem.parameters()).jacobian
     dense = jacobian.toarray()[problem.lower == problem.upper]
     projector = np.eye(x.size) - np.linalg.pinv(dense) @ dense
     wish = np.random.default_rng(0).standard_normal(x.size)
     errors = []
     for h in (1e-3, 5e-4, 2.5e-4):
-        moved = Projection(problem, problem.parameters()).moved(x, h * wish)
+        moved = Projection().moved(Point(problem, x, problem.parameters()), h * wish)
         assert moved is not None
-        assert problem.violation(moved, problem.parameters()) < 1e-12
-        errors.append(float(np.abs(moved - x - h * projector @ wish).max()))
+        assert moved.violation < 1e-12
+        errors.append(float(np.abs(moved.variables - x - h * projector @ wish).max()))
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.05)
     assert errors[1] / errors[2] == pytest.approx(4, rel=0.05)
 
@@ -62,15 +63,15 @@ def test_a_bound_that_a_step_would_exceed_is_held() -> None:
     problem = Problem(model.n_variables, [], [*constraints.hard_constraints(model, LIMITS), roof])
     wish = np.zeros((design.pattern.n_vertices, 3))
     wish[top, 2] = 0.2
-    moved = Projection(problem, problem.parameters()).moved(model.seed_points.ravel(), wish.ravel())
+    moved = Projection().moved(Point(problem, model.seed_points.ravel(), problem.parameters()), wish.ravel())
     assert moved is not None
-    assert model.points(moved)[:, 2].max() == pytest.approx(highest + 0.01, abs=1e-8)
-    assert problem.violation(moved, problem.parameters()) < 1e-8
+    assert model.points(moved.variables)[:, 2].max() == pytest.approx(highest + 0.01, abs=1e-8)
+    assert moved.violation < 1e-8
 
 
 def test_the_order_of_the_factors_changes_nothing_but_the_rounding() -> None:
     model, problem = posed(miura(6, 6))
-    _, jacobian = problem.rows_and_jacobian(model.seed_points.ravel(), problem.parameters())
+    jacobian = Point(problem, model.seed_points.ravel(), problem.parameters()).jacobian
     equations = jacobian[problem.lower == problem.upper]
     change = np.random.default_rng(1).standard_normal(equations.shape[0])
     first = LeastMove(equations)
@@ -87,7 +88,7 @@ def test_a_step_that_is_too_long_is_none() -> None:
     model, problem = posed(miura(4, 4))
     wish = np.zeros(model.n_variables)
     wish[0] = 1e6
-    assert Projection(problem, problem.parameters()).moved(model.seed_points.ravel(), wish) is None
+    assert Projection().moved(Point(problem, model.seed_points.ravel(), problem.parameters()), wish) is None
 
 
 def test_balanced_multipliers() -> None:
@@ -104,8 +105,7 @@ def test_balanced_multipliers() -> None:
     formulation = result.formulation
     problem = Problem(formulation.goal.model.n_variables, formulation.objectives, formulation.fixed)
     x = formulation.goal.model.to_dimensionless(result.design.vertices_coords).ravel()
-    none = np.zeros(problem.n_rows)
-    found = balanced(problem, x, none, problem.parameters())
+    found = balanced(Point(problem, x, problem.parameters())).balance
     equations = problem.lower == problem.upper
     assert_close(found[~equations], 0, 0)
     assert_close(found[equations], result.multipliers[equations], 1e-6 * np.abs(result.multipliers).max())
@@ -122,7 +122,7 @@ def test_a_corner_dragged_by_a_third_of_the_diagonal_ends_certified(name: str) -
     assert refined.steps >= 100
     assert refined.residual < 1e-8  # of a bound that is held; equations:
     _, problem = posed(refined.design)
-    rows = problem.rows(DesignModel(refined.design).seed_points.ravel(), problem.parameters())
+    rows = Point(problem, DesignModel(refined.design).seed_points.ravel(), problem.parameters()).rows
     assert np.abs(rows[problem.lower == problem.upper]).max() < 1e-12
     assert certified(refined.design)
     moved = refined.design.vertices_coords - design.vertices_coords
@@ -198,7 +198,7 @@ def test_dependent_equations_of_a_tube(k: int) -> None:
     design = tube(k, 4)
     refined = inverse.refine(design, {0: [0.02, 0.05, 0.03]}, steps=5)
     _, problem = posed(refined.design)
-    rows = problem.rows(DesignModel(refined.design).seed_points.ravel(), problem.parameters())
+    rows = Point(problem, DesignModel(refined.design).seed_points.ravel(), problem.parameters()).rows
     assert np.abs(rows[problem.lower == problem.upper]).max() < 1e-10
     assert np.abs(refined.design.vertices_coords - design.vertices_coords).max() > 0.01
 

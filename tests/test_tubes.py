@@ -10,8 +10,9 @@ import pytest
 from designs import holed
 
 import inverse
+from inverse.nlp.point import Point
 from inverse.origami.geometry import diagonal
-from inverse.solvers.ipopt import Solver
+from inverse.solvers.ipopt import Ipopt
 from inverse.spec import from_mapping
 
 STRAIGHT = {"polyline": [[0, 0, 0], [0, 0, 6]]}
@@ -92,16 +93,16 @@ def test_a_dome_with_a_hole(holes: tuple[tuple[int, int], ...], tmp_path: Path) 
 
 def test_newton_is_given_independent_equations_and_the_approach_all(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[tuple[bool, int, float]] = []
-    right = Solver._run
+    right = Ipopt._run
 
-    def watched(solver: Solver, start: Any, parameters: Any, multipliers: Any, left_out: Any, **options: Any) -> Any:
-        attempt = right(solver, start, parameters, multipliers, left_out, **options)
+    def watched(solver: Ipopt, start: Point, parameters: Any, left_out: Any, *more: Any, **options: Any) -> Any:
+        run = right(solver, start, parameters, left_out, *more, **options)
         # The last parameter is 0 where the constraints' curvature is left out: the approach.
-        push = np.abs(attempt.multipliers[left_out]).max(initial=0.0) / np.abs(attempt.multipliers).max()
-        seen.append((bool(parameters[-1] == 0.0), len(left_out), push))
-        return attempt
+        push = np.abs(run.end.balance[left_out]).max(initial=0.0) / np.abs(run.end.balance).max()
+        seen.append((bool(start.parameters[-1] == 0.0), len(left_out), push))
+        return run
 
-    monkeypatch.setattr(Solver, "_run", watched)
+    monkeypatch.setattr(Ipopt, "_run", watched)
     result = solve(4, 6, TAPER)
     assert result.ending == "solved"
     assert {(is_approach, count) for is_approach, count, _ in seen} == {(True, 0), (False, 15)}

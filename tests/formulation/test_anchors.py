@@ -10,6 +10,7 @@ from inverse import constraints
 from inverse.crossing import crossing_facets
 from inverse.formulation.anchors import PolylineAnchor
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import seeds
 from inverse.origami.pattern import Design
@@ -104,14 +105,14 @@ def test_the_worst_element_is_named(model: DesignModel) -> None:
     problem = Problem(model.seed_points.size, [], [held, bounded])
     points = model.seed_points.copy()
     p = problem.parameters()
-    found = problem.violations(points.ravel(), p)
+    found = Point(problem, points.ravel(), p).violations
     assert found["held"][0] < 1e-13
     assert found["edge_length"][0] == 0
     points[12] += [0, 0.25, 0]
     points[3] += [0.2, 0, 0]
-    assert problem.violations(points.ravel(), p)["held"] == (pytest.approx(0.25, abs=1e-12), "vertex 12")
+    assert Point(problem, points.ravel(), p).violations["held"] == (pytest.approx(0.25, abs=1e-12), "vertex 12")
     points[0] += [3, 0, 0]
-    size, where = problem.violations(points.ravel(), p)["edge_length"]
+    size, where = Point(problem, points.ravel(), p).violations["edge_length"]
     a, b = (int(v) for v in where.removeprefix("edge ").split("-"))
     assert 0 in (a, b)
     longest = max(np.sum((points[0] - points[v]) ** 2) for v in (1, 5))

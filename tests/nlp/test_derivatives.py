@@ -21,6 +21,7 @@ from inverse import constraints, cylinder_loop, objectives
 from inverse.formulation import anchors
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Kernel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
 from inverse.objectives import OBJECTIVES, Goal
@@ -33,6 +34,8 @@ from inverse.surfaces.parametric import BetweenTarget, HeightTarget
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms import separation
 from inverse.terms.packed import Packed
+from inverse.terms.surface_fit import SurfaceFitting
+from inverse.terms.tube_fit import TubeFitting
 
 MESHES: dict[str, Callable[[], Design]] = {
     "grid": lambda: hybrid(2),
@@ -199,7 +202,9 @@ def targeted(mesh: str, goal: str, terms: tuple[str, ...]) -> Task:
     model = posed(mesh)
     t, measure = {"facets": (np.pi, "extent"), "vertices": (0.0, "area"), "layer": (1.2, "extent")}[points]
     boxed = Packed(model, t, measure, np.full(2 if t in (0, np.pi) else 3, np.inf), np.inf, model.n_variables)
-    about = Goal(model, make(), points, (boxed,))
+    target = make()
+    fitting = TubeFitting(model, target) if isinstance(target, TubeTarget) else SurfaceFitting(model, target, points)
+    about = Goal(fitting, (boxed,))
     blocks = {term: objectives.build(about, {t: float(t == term) for t in OBJECTIVES}) for term in terms}
     hard = constraints.hard_constraints(model, BOUNDS)
     problem = Problem(about.n_variables, [o for found in blocks.values() for o in found], hard)
@@ -230,7 +235,7 @@ def assert_derivatives(task: Task, term: str) -> None:
     assert own.any() or p[: len(problem.objectives)].any()
 
     def rows(x: np.ndarray) -> np.ndarray:
-        return problem.rows_and_jacobian(x, p)[0][own]
+        return Point(problem, x, p).rows[own]
 
     for _ in range(2):
         x = task.start + 0.07 * rng.standard_normal(problem.n_variables)
@@ -238,18 +243,18 @@ def assert_derivatives(task: Task, term: str) -> None:
         lam_g = np.where(own, rng.standard_normal(problem.n_rows), 0.0)
 
         def value(x: np.ndarray) -> float:
-            return problem.objective_and_gradient(x, p)[0]
+            return Point(problem, x, p).objective
 
         def gradient(x: np.ndarray, lam_g: np.ndarray = lam_g) -> np.ndarray:
-            _, jacobian = problem.rows_and_jacobian(x, p)
-            return 1.3 * problem.objective_and_gradient(x, p)[1] + jacobian.T @ lam_g
+            jacobian = Point(problem, x, p).jacobian
+            return 1.3 * Point(problem, x, p).gradient + jacobian.T @ lam_g
 
         upper = problem.functions["hess_lag"](x, p, 1.3, lam_g).full()
         assert not np.tril(upper, -1).any()
         hessian = upper + np.triu(upper, 1).T
-        slope = problem.rows_and_jacobian(x, p)[1] @ along
+        slope = Point(problem, x, p).jacobian @ along
         assert_second_order(rows, slope[own], x, along, f"Jacobian of {term}")
-        assert_second_order(value, problem.objective_and_gradient(x, p)[1] @ along, x, along, f"gradient of {term}")
+        assert_second_order(value, Point(problem, x, p).gradient @ along, x, along, f"gradient of {term}")
         assert_second_order(gradient, hessian @ along, x, along, f"curvature of {term}")
 
 
@@ -326,8 +331,8 @@ def test_the_objective_is_the_sum_of_weighted_mean_squares(mesh: str) -> None:
         residuals = [np.asarray(e.kernel.value(x[v], q)) for v, q in zip(e.variables, own, strict=True)]
         expected[objective.name] = p[k] * np.mean(np.square(residuals))
         start += e.parameters.size
-    assert problem.objective_terms(x, p) == pytest.approx(expected, rel=1e-13)
-    assert problem.objective_and_gradient(x, p)[0] == pytest.approx(sum(expected.values()), rel=1e-13)
+    assert Point(problem, x, p).objective_terms == pytest.approx(expected, rel=1e-13)
+    assert Point(problem, x, p).objective == pytest.approx(sum(expected.values()), rel=1e-13)
     assert float(problem.functions["nlp"](x, p)[0]) == pytest.approx(sum(expected.values()), rel=1e-13)
 
 
@@ -335,7 +340,7 @@ def test_rows_stand_in_the_order_of_the_constraints() -> None:
     task = constrained("general")
     rng = np.random.default_rng(4)
     x, p = rng.standard_normal(task.problem.n_variables), task.problem.parameters()
-    rows, _ = task.problem.rows_and_jacobian(x, p)
+    rows = Point(task.problem, x, p).rows
     expected = [
         np.asarray(c.elements.kernel.value(x[v], q)).ravel()
         for c in task.problem.constraints

@@ -11,6 +11,7 @@ from designs import assert_close
 import inverse
 from inverse.formulation.formulate import formulate
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.origami.pattern import FloatArray
@@ -31,7 +32,7 @@ def terms(n: int, move: Any) -> dict[str, float]:
     problem = Problem(model.seed_points.size, formulation.objectives, formulation.fixed)
     u, v = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij")
     moved = model.seed.vertices_coords + move(model, u.ravel()[:, None], v.ravel()[:, None])
-    return problem.objective_terms(model.to_dimensionless(moved).ravel(), problem.parameters())
+    return Point(problem, model.to_dimensionless(moved).ravel(), problem.parameters()).objective_terms
 
 
 def shifted(model: DesignModel, u: FloatArray, v: FloatArray) -> FloatArray:
@@ -76,13 +77,11 @@ def test_the_share_of_curvature() -> None:
     x = model.seed_points.ravel() + 0.05 * rng.standard_normal(model.seed_points.size)
     p, multipliers = problem.parameters(), rng.standard_normal(problem.n_rows)
     hessian = problem.functions["hess_lag"]
-    whole, linear = hessian(x, p, 2.0, multipliers), hessian(x, problem.linearized(p), 2.0, multipliers)
+    whole, linear = hessian(x, p, 2.0, multipliers), hessian(x, problem.layout.linearized(p), 2.0, multipliers)
     objective = hessian(x, p, 2.0, 0 * multipliers)
     assert_close(np.asarray(linear), np.asarray(objective), 0)
     assert np.abs(np.asarray(whole) - np.asarray(linear)).max() > 1e-2
-    assert_close(
-        problem.objective_and_gradient(x, problem.linearized(p))[1], problem.objective_and_gradient(x, p)[1], 0
-    )
+    assert_close(Point(problem, x, problem.layout.linearized(p)).gradient, Point(problem, x, p).gradient, 0)
 
 
 @pytest.mark.parametrize("rate", [-0.9, -0.5, 0.4])

@@ -13,6 +13,7 @@ from inverse import objectives
 from inverse.formulation.formulate import formulate
 from inverse.surfaces.mesh import MeshTarget
 from inverse.surfaces.parametric import HeightTarget
+from inverse.terms.surface_fit import SurfaceFitting, fit_vertices, mean_points
 
 DOME = {"height": "0.45 - 0.3*(x^2 + y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
 
@@ -59,10 +60,10 @@ def test_places_over_the_plan() -> None:
 
 def test_the_first_closest_points_lie_over_the_seed() -> None:
     vertices, triangles = HeightTarget(str(DOME["height"]), DOME["domain"]).triangles()  # type: ignore[arg-type]
-    goal = objectives.Goal(formulate(task()).goal.model, MeshTarget(vertices, triangles), "facets")
+    goal = objectives.Goal(SurfaceFitting(formulate(task()).goal.model, MeshTarget(vertices, triangles)))
     (elements,) = objectives.fit(goal)
     feet = goal.model.to_lengths(elements.parameters[:, :3])
-    seed = objectives.mean_points(goal.model.seed.vertices_coords, objectives.fit_vertices(goal.model, "facets"))
+    seed = mean_points(goal.model.seed.vertices_coords, fit_vertices(goal.model, "facets"))
     inside = np.abs(seed[:, :2]).max(axis=1) < 0.6
     assert inside.sum() > 20
     assert_close(feet[inside, :2], seed[inside, :2], 1e-4)

@@ -22,12 +22,13 @@ from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Objective
 from inverse.origami.pattern import FloatArray
 from inverse.policy import statuses, verdict
-from inverse.solvers.ipopt import Solver
-from inverse.solvers.run import LIMIT, Attempt
+from inverse.solvers.ipopt import Ipopt
+from inverse.solvers.run import Ending, Run
 from inverse.surfaces.parametric import BetweenTarget, HeightTarget
 
 
@@ -39,17 +40,17 @@ def steps(result: inverse.Result) -> list[str]:
 class Failing:
     """IPOPT whose first runs do nothing, and say that they stopped short."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, runs: int, status: str = "Restoration_Failed") -> None:
-        self.left, self.status = runs, status
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, runs: int, ending: Ending = Ending.RESTORATION_FAILED) -> None:
+        self.left, self.ending = runs, ending
         for name in ("approach", "run"):
-            monkeypatch.setattr(Solver, name, self.instead_of(getattr(Solver, name)))
+            monkeypatch.setattr(Ipopt, name, self.instead_of(getattr(Ipopt, name)))
 
     def instead_of(self, method: Any) -> Any:
-        def run(solver: Solver, start: FloatArray, *arguments: Any, **options: Any) -> Attempt:
+        def run(solver: Ipopt, start: Point, *arguments: Any, **options: Any) -> Run:
             if self.left <= 0:
                 return method(solver, start, *arguments, **options)
             self.left -= 1
-            return Attempt(start, np.zeros(solver._problem.n_rows), self.status, 0, 0.0, 0.0)
+            return Run(start.pushed(np.zeros(solver._problem.n_rows)), self.ending, 0, 0.0, 0.0, "nothing")
 
         return run
 
@@ -121,15 +122,15 @@ def test_a_path_that_ends_early_says_how_far_it_came(monkeypatch: pytest.MonkeyP
     failing = Failing(monkeypatch, 6)
     monkeypatch.setattr("inverse.policy.steps.NLOPT_LARGEST", 0)
     made = []
-    run = Solver.run
+    run = Ipopt.run
 
-    def counted(solver: Solver, *arguments: Any, **options: Any) -> Attempt:
+    def counted(solver: Ipopt, *arguments: Any, **options: Any) -> Run:
         made.append(solver)
         if len(made) > 6:
             failing.left = 10**6  # after the first task on the path nothing works any more
         return run(solver, *arguments, **options)
 
-    monkeypatch.setattr(Solver, "run", counted)
+    monkeypatch.setattr(Ipopt, "run", counted)
     result = inverse.solve(task(solver={"max_iterations": 30}))
     assert not result.converged
     assert result.certified
@@ -164,13 +165,13 @@ def test_a_limit_within_a_step_is_not_the_end_of_the_iterations(monkeypatch: pyt
     """Only static pivots run out of iterations, as they may; what ends the step is a failure of pivoting."""
     Failing(monkeypatch, 10**6)
     monkeypatch.setattr("inverse.policy.steps.NLOPT_LARGEST", 0)
-    run = Solver.run
+    run = Ipopt.run
 
-    def ended(solver: Solver, *arguments: Any, careful: bool, **options: Any) -> Attempt:
+    def ended(solver: Ipopt, *arguments: Any, careful: bool, **options: Any) -> Run:
         attempt = run(solver, *arguments, careful=careful, **options)
-        return attempt if careful else replace(attempt, status=LIMIT)
+        return attempt if careful else replace(attempt, ending=Ending.LIMIT)
 
-    monkeypatch.setattr(Solver, "run", ended)
+    monkeypatch.setattr(Ipopt, "run", ended)
     assert inverse.solve(task()).ending == "stalled"
 
 
@@ -290,7 +291,7 @@ def test_gradients_are_measured_by_the_seeds_where_it_is_far_from_its_target() -
     result = dome()
     goal, formulation = result.formulation.goal, result.formulation
     problem = Problem(goal.n_variables, formulation.objectives, formulation.fixed)
-    at_seed = np.abs(problem.objective_and_gradient(goal.seed_variables, problem.parameters())[1]).max()
+    at_seed = np.abs(Point(problem, goal.seed_variables, problem.parameters()).gradient).max()
     assert verdict.gradient_scale(problem, goal) == at_seed
 
 
@@ -364,15 +365,15 @@ def test_the_element_that_is_not_a_number_is_named() -> None:
     x = model.seed_points.ravel()
     floor = np.full((20, 1), -100.0)
     problem = Problem(60, [Objective(Elements("root", kernel, places, floor), 1.0)], [edge_length(model, (0.5, 2))])
-    assert problem.not_a_number(x, problem.parameters()) is None
+    assert Point(problem, x, problem.parameters()).not_a_number is None
     floor[7] = 100.0
-    assert problem.not_a_number(x, problem.parameters()) == ("root", "vertex 7")
+    assert Point(problem, x, problem.parameters()).not_a_number == ("root", "vertex 7")
     x[3 * 11] = np.nan
-    assert problem.not_a_number(x, problem.parameters()) == ("root", "vertex 7")
+    assert Point(problem, x, problem.parameters()).not_a_number == ("root", "vertex 7")
     floor[7] = -100.0
-    assert problem.not_a_number(x, problem.parameters()) == ("root", "vertex 11")
+    assert Point(problem, x, problem.parameters()).not_a_number == ("root", "vertex 11")
     bounds = Problem(60, [], [edge_length(model, (0.5, 2))])
-    name, element = bounds.not_a_number(x, bounds.parameters()) or ("", "")
+    name, element = Point(bounds, x, bounds.parameters()).not_a_number or ("", "")
     assert name == "edge_length"
     assert re.fullmatch(r"edge (\d+-11|11-\d+)", element)
 
@@ -384,7 +385,7 @@ def test_a_weight_that_leaves_no_number_is_named() -> None:
                         np.empty((20, 0)))  # fmt: skip
     for weight, found in ((1e280, None), (1e304, ("pull", "all elements, for its weight is too large"))):
         problem = Problem(60, [Objective(elements, weight)], [edge_length(model, (0.5, 2))])
-        assert problem.not_a_number(model.seed_points.ravel(), problem.parameters()) == found
+        assert Point(problem, model.seed_points.ravel(), problem.parameters()).not_a_number == found
 
 
 # ---- units

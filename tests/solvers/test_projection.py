@@ -8,6 +8,7 @@ from designs import ALL, assert_close, eggbox, hybrid, perturbed, tube
 
 from inverse import constraints
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
 from inverse.origami.pattern import Design
@@ -23,12 +24,12 @@ def posed(design: Design, *more: Constraint) -> tuple[DesignModel, Problem]:
 
 
 def residual(problem: Problem, x: np.ndarray) -> np.ndarray:
-    rows, _ = problem.rows_and_jacobian(x, problem.parameters())
+    rows = Point(problem, x, problem.parameters()).rows
     return (rows - problem.lower)[problem.lower == problem.upper]
 
 
 def jacobian(problem: Problem, x: np.ndarray) -> np.ndarray:
-    return problem.rows_and_jacobian(x, problem.parameters())[1].toarray()[problem.lower == problem.upper]
+    return Point(problem, x, problem.parameters()).jacobian.toarray()[problem.lower == problem.upper]
 
 
 def moved(model: DesignModel, size: float, seed: int = 0) -> np.ndarray:
@@ -42,7 +43,9 @@ def test_small_errors_vanish_at_newtons_rate(name: str) -> None:
     sizes = [np.abs(residual(problem, x)).max()]
     assert sizes[0] > 1e-5
     for steps in range(2, 9):
-        sizes.append(np.abs(residual(problem, polish(problem, x, problem.parameters(), steps=steps))).max())
+        sizes.append(
+            np.abs(residual(problem, polish(Point(problem, x, problem.parameters()), steps=steps).variables)).max()
+        )
     assert sizes[-1] < 5e-15
     assert sizes[1] < 30 * sizes[0] ** 2
     assert sizes[2] < max(30 * sizes[1] ** 2, 5e-15)
@@ -54,7 +57,7 @@ def test_the_move_is_the_least_one(name: str) -> None:
     """Dense Newton steps of least norm go the same way; along the solutions nothing moves to first order."""
     model, problem = posed(ALL[name]())
     start = moved(model, 1e-4)
-    x = polish(problem, start, problem.parameters())
+    x = polish(Point(problem, start, problem.parameters())).variables
     dense = start
     for _ in range(5):
         dense = dense - np.linalg.lstsq(jacobian(problem, dense), residual(problem, dense), rcond=1e-12)[0]
@@ -74,7 +77,7 @@ def test_a_move_along_the_solutions_is_kept() -> None:
     along = tangent.T @ np.random.default_rng(1).standard_normal(len(tangent))
     errors = []
     for h in (1e-3, 5e-4):
-        x = polish(problem, exact + h * along, problem.parameters())
+        x = polish(Point(problem, exact + h * along, problem.parameters())).variables
         assert np.abs(residual(problem, x)).max() < 5e-15
         errors.append(np.linalg.norm(x - exact - h * along))
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.05)
@@ -82,26 +85,26 @@ def test_a_move_along_the_solutions_is_kept() -> None:
 
 def test_nothing_to_remove() -> None:
     model, problem = posed(hybrid(3))
-    x = polish(problem, model.seed_points.ravel(), problem.parameters())
+    x = polish(Point(problem, model.seed_points.ravel(), problem.parameters())).variables
     assert_close(x, model.seed_points.ravel(), 1e-14)
     no_equations = Problem(x.size, [], [constraints.edge_length(model, (0.5, 2))])
-    assert polish(no_equations, x, no_equations.parameters()) is x
+    assert polish(Point(no_equations, x, no_equations.parameters())).variables is x
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_a_polished_design_is_not_made_worse(name: str) -> None:
     model, problem = posed(ALL[name]())
     for seed in range(4):
-        once = polish(problem, moved(model, 1e-5, seed), problem.parameters())
-        again = polish(problem, once, problem.parameters())
+        once = polish(Point(problem, moved(model, 1e-5, seed), problem.parameters())).variables
+        again = polish(Point(problem, once, problem.parameters())).variables
         assert np.abs(residual(problem, again)).max() <= np.abs(residual(problem, once)).max()
 
 
 def test_inequalities_are_left_alone() -> None:
     """The edge bounds of ``posed`` are far too narrow for the perturbed mesh: they play no part."""
     model, problem = posed(eggbox(3, 3))
-    x = polish(problem, moved(model, 1e-3), problem.parameters())
-    violations = problem.violations(x, problem.parameters())
+    x = polish(Point(problem, moved(model, 1e-3), problem.parameters())).variables
+    violations = Point(problem, x, problem.parameters()).violations
     assert violations["edge_length"][0] > 1e-5
     assert violations["opposite_angles"][0] < 1e-14
 
@@ -117,9 +120,9 @@ def test_equations_that_repeat_each_other(times: int) -> None:
     _, often = posed(design, *anchors)
     assert often.n_rows == once.n_rows + 9 * (times - 1)
     start = moved(model, 1e-4)
-    x = polish(often, start, often.parameters())
+    x = polish(Point(often, start, often.parameters())).variables
     assert np.abs(residual(often, x)).max() < 1e-14
-    assert_close(x, polish(once, start, once.parameters()), 1e-10)
+    assert_close(x, polish(Point(once, start, once.parameters())).variables, 1e-10)
 
 
 @pytest.mark.parametrize("k", [4, 6])
@@ -127,7 +130,7 @@ def test_the_dependent_equations_of_a_tube(k: int) -> None:
     model, problem = posed(tube(k, 3))
     j = jacobian(problem, model.seed_points.ravel())
     assert np.linalg.matrix_rank(j, tol=1e-9) < len(j)
-    x = polish(problem, moved(model, 1e-5), problem.parameters())
+    x = polish(Point(problem, moved(model, 1e-5), problem.parameters())).variables
     assert np.abs(residual(problem, x)).max() < 1e-13
     assert np.abs(x - model.seed_points.ravel()).max() < 1e-3
 
@@ -141,7 +144,7 @@ def test_equations_that_contradict_each_other() -> None:
     twice = [constraints.on_point(model, f"anchor_{k}", np.array([0]), to) for k, to in enumerate(places)]
     _, problem = posed(design, *twice)
     start = moved(model, 1e-4)
-    x = polish(problem, start, problem.parameters())
+    x = polish(Point(problem, start, problem.parameters())).variables
     assert np.isfinite(x).all()
     assert np.abs(residual(problem, x)).max() <= np.abs(residual(problem, start)).max()
     assert np.abs(x - start).max() < 0.1
@@ -157,7 +160,7 @@ def test_slopes_that_are_no_numbers_end_a_polish_and_a_move(monkeypatch: pytest.
         return rows, np.nan * jacobian
 
     monkeypatch.setattr(Problem, "rows_and_jacobian", broken)
-    assert_close(polish(problem, x, parameters), x, 0)
+    assert_close(polish(Point(problem, x, parameters)).variables, x, 0)
     multipliers = np.ones(problem.n_rows)
     assert_close(balanced(problem, x, multipliers, parameters), multipliers, 0)
     assert Projection(problem, parameters).moved(x, 0 * x) is None

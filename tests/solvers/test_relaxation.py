@@ -10,6 +10,7 @@ from designs import assert_close
 
 import inverse
 from inverse.formulation.formulate import formulate
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.origami.pattern import FloatArray
@@ -31,7 +32,7 @@ def whole(**keys: Any) -> tuple[Problem, FloatArray]:
 def test_equations_stay_and_idle_bounds_go() -> None:
     problem, x = whole()
     p = problem.parameters()
-    found = relaxation.relaxed(problem, x, p)
+    found = relaxation.relaxed(Point(problem, x, p))
     assert found is not None
     assert list(found.rows) == list(np.flatnonzero(problem.lower == problem.upper))
     assert found.problem.objectives == problem.objectives
@@ -41,29 +42,32 @@ def test_bounds_that_are_near_stay() -> None:
     problem, x = whole()
     rng = np.random.default_rng(3)
     p, y = problem.parameters(), x + 0.02 * rng.standard_normal(x.size)
-    rows, _ = problem.rows_and_jacobian(y, p)
+    rows = Point(problem, y, p).rows
     near = rng.choice(np.flatnonzero(problem.lower < problem.upper), 20, replace=False)
     problem.lower[near] = rows[near] - 1e-3
-    kept = relaxation.relaxed(problem, y, p)
+    kept = relaxation.relaxed(Point(problem, y, p))
     assert kept is not None
     assert set(near) <= set(kept.rows)
     # The rows that are left are the same functions with the same bounds, whatever the objectives' parameters are.
     other = p.copy()
-    other[: problem.n_objective_parameters] *= 1.5
-    values, jacobian = kept.problem.rows_and_jacobian(y, kept.parameters(other))
-    everything, whole_jacobian = problem.rows_and_jacobian(y, other)
-    assert_close(values, everything[kept.rows], 1e-15)
-    assert_close(jacobian.toarray(), whole_jacobian[kept.rows].toarray(), 1e-15)
-    assert kept.problem.objective_and_gradient(y, kept.parameters(other))[0] == pytest.approx(
-        problem.objective_and_gradient(y, other)[0], rel=1e-14
-    )
+    other[: problem.layout.n_objective] *= 1.5
+    everything = Point(problem, y, other, rng.standard_normal(problem.n_rows))
+    own = kept.own(everything)
+    assert_close(own.rows, everything.rows[kept.rows], 1e-15)
+    assert_close(own.jacobian.toarray(), everything.jacobian[kept.rows].toarray(), 1e-15)
+    assert own.objective == pytest.approx(everything.objective, rel=1e-14)
+    assert_close(own.balance, everything.balance[kept.rows], 0)
+    back = kept.back(own, other)
+    assert_close(back.balance[kept.rows], own.balance, 0)
+    assert not np.delete(back.balance, kept.rows).any()
+    assert_close(back.rows, everything.rows, 0)
 
 
 def test_nothing_to_leave_out() -> None:
     problem, x = whole(constraints={"edge_length": [0.999, 1.001], "sector_angle": [59, 121], "fold_angle": [1, 179]})
-    assert relaxation.relaxed(problem, x, problem.parameters()) is None
+    assert relaxation.relaxed(Point(problem, x, problem.parameters())) is None
     only = Problem(problem.n_variables, problem.objectives, [c for c in problem.constraints if c.is_equation])
-    assert relaxation.relaxed(only, x, only.parameters()) is None
+    assert relaxation.relaxed(Point(only, x, only.parameters())) is None
 
 
 @pytest.mark.parametrize(

@@ -13,13 +13,15 @@ from designs import assert_close
 import inverse
 from inverse.formulation.formulate import formulate
 from inverse.nlp.kernels import Elements, Kernel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint, Objective
 from inverse.objectives import Goal
 from inverse.policy import verdict
-from inverse.solvers import ipopt, slsqp
 from inverse.solvers.chart import Chart, Functions
-from inverse.solvers.run import GIVEN_UP, Attempt, Progress
+from inverse.solvers.ipopt import Ipopt
+from inverse.solvers.run import Ending, Progress, Run
+from inverse.solvers.slsqp import Slsqp
 
 DOME = {"height": "0.45 - 0.3*(x^2 + y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
 PLANE = {"side": "u0", "every": 2, "to": {"plane": {"point": [-0.55, 0, 0], "normal": [1, 0, 0]}}}
@@ -56,9 +58,9 @@ def sphere(times: int = 1) -> tuple[Problem, np.ndarray, np.ndarray]:
     return Problem(3, [objective], terms), x, np.array([*[of_sphere / times] * times, of_bound, 0.0])
 
 
-def solved(problem: Problem, start: np.ndarray) -> Attempt:
-    solver = slsqp.Solver(problem, 1e-9, 1.0, on)
-    return solver.run(start, problem.parameters(), None, 200)
+def solved(problem: Problem, start: np.ndarray) -> Run:
+    solver = Slsqp(problem, 1e-9, 1.0, on)
+    return solver.run(Point(problem, start, problem.parameters()), 200)
 
 
 @pytest.mark.parametrize("start", [[1.0, 0, 0], [0, 0.6, -0.8], [0.3, 0.2, 0.1], [2.0, 1, 2]])
@@ -66,9 +68,9 @@ def test_a_solution_in_closed_form(start: list[float]) -> None:
     """From the sphere, and from points that violate the equation, the last one stationary without it."""
     problem, x, multipliers = sphere()
     attempt = solved(problem, np.array(start))
-    assert attempt.succeeded
-    assert_close(attempt.variables, x, 1e-7)
-    assert_close(attempt.multipliers, multipliers, 1e-6)
+    assert attempt.ending is Ending.SOLVED
+    assert_close(attempt.end.variables, x, 1e-7)
+    assert_close(attempt.end.multipliers, multipliers, 1e-6)
     assert multipliers[1] > 0.5  # the bound is active and pushes down
     assert attempt.seconds > attempt.seconds_functions > 0
 
@@ -76,11 +78,11 @@ def test_a_solution_in_closed_form(start: list[float]) -> None:
 def test_an_equation_that_is_given_twice() -> None:
     problem, x, multipliers = sphere(2)
     attempt = solved(problem, np.array([0.3, 0.2, 0.1]))
-    assert attempt.succeeded
-    assert_close(attempt.variables, x, 1e-7)
+    assert attempt.ending is Ending.SOLVED
+    assert_close(attempt.end.variables, x, 1e-7)
     # Only the sum of the two is determined.
-    assert_close(attempt.multipliers[:2].sum(), multipliers[:2].sum(), 1e-6)
-    assert_close(attempt.multipliers[2:], multipliers[2:], 1e-6)
+    assert_close(attempt.end.multipliers[:2].sum(), multipliers[:2].sum(), 1e-6)
+    assert_close(attempt.end.multipliers[2:], multipliers[2:], 1e-6)
 
 
 def test_a_lower_bound_pushes_up() -> None:
@@ -92,16 +94,16 @@ def test_a_lower_bound_pushes_up() -> None:
     ]
     attempt = solved(Problem(3, problem.objectives, flipped), np.array([1.0, 0, 0]))
     _, x, multipliers = sphere()
-    assert_close(attempt.variables, x, 1e-7)
-    assert_close(attempt.multipliers, multipliers * [1, -1, 1], 1e-6)
+    assert_close(attempt.end.variables, x, 1e-7)
+    assert_close(attempt.end.multipliers, multipliers * [1, -1, 1], 1e-6)
 
 
 def test_equations_that_nothing_satisfies() -> None:
     problem, _, _ = sphere()
     terms = [bounded("one", casadi.sumsqr, 3, 1.0, 1.0), bounded("two", lambda q: q[0], 3, 2.0, 2.0)]
     attempt = solved(Problem(3, problem.objectives, terms), np.array([1.0, 0.1, 0]))
-    assert not attempt.succeeded
-    assert np.isfinite(attempt.variables).all()
+    assert attempt.ending is not Ending.SOLVED
+    assert np.isfinite(attempt.end.variables).all()
 
 
 def test_slopes_along_the_manifold() -> None:
@@ -137,17 +139,16 @@ def test_agreement_with_ipopt() -> None:
     """From near one optimum both come to it, with the same multipliers."""
     problem, goal = grid()
     parameters, start = problem.parameters(), goal.model.seed_points.ravel()
-    gradient = problem.objective_and_gradient(start, parameters)[1]
-    first = ipopt.Solver(problem, 1e-10, goal.model.refinement, on).run(start, parameters, None, 200, careful=True)
-    second = slsqp.Solver(problem, 1e-9, np.abs(gradient).max(), on).run(
-        first.variables + 1e-3 * np.sin(np.arange(start.size)), parameters, None, 300
+    gradient = Point(problem, start, parameters).gradient
+    first = Ipopt(problem, 1e-10, goal.model.refinement, on).run(Point(problem, start, parameters), 200, careful=True)
+    second = Slsqp(problem, 1e-9, np.abs(gradient).max(), on).run(
+        first.end.moved(first.end.variables + 1e-3 * np.sin(np.arange(start.size))).pushed(None), 300
     )
-    assert first.succeeded
-    assert second.succeeded
-    values = [problem.objective_and_gradient(a.variables, parameters)[0] for a in (first, second)]
+    assert first.ending is second.ending is Ending.SOLVED
+    values = [run.end.objective for run in (first, second)]
     assert_close(values[1], values[0], 1e-6 * values[0])
-    assert_close(second.variables, first.variables, 1e-4)
-    assert not verdict.judge(problem, second.variables, second.multipliers, parameters, goal)["failed"]
+    assert_close(second.end.variables, first.end.variables, 1e-4)
+    assert not verdict.judge(second.end, goal).failed
 
 
 @pytest.mark.parametrize("keys", [{}, {"constraints": {"anchors": [PLANE]}}])
@@ -173,7 +174,7 @@ def test_what_report_raises_is_raised_again() -> None:
         return True
 
     with pytest.raises(KeyboardInterrupt):
-        slsqp.Solver(problem, 1e-9, 1.0, report).run(np.array([1.0, 0, 0]), problem.parameters(), None, 99)
+        Slsqp(problem, 1e-9, 1.0, report).run(Point(problem, np.array([1.0, 0, 0]), problem.parameters()), 99)
 
 
 def test_report_stops_the_run() -> None:
@@ -184,11 +185,11 @@ def test_report_stops_the_run() -> None:
         seen.append(progress)
         return len(seen) < 3
 
-    attempt = slsqp.Solver(problem, 1e-9, 1.0, report).run(np.array([1.0, 0, 0]), problem.parameters(), None, 99)
-    assert attempt.status == GIVEN_UP
+    attempt = Slsqp(problem, 1e-9, 1.0, report).run(Point(problem, np.array([1.0, 0, 0]), problem.parameters()), 99)
+    assert attempt.ending is Ending.GIVEN_UP
     assert [p.iteration for p in seen] == [0, 1, 2]
     for progress in seen:
-        assert progress.violation == problem.violation(progress.variables, problem.parameters())
+        assert progress.violation == Point(problem, progress.variables, problem.parameters()).violation
 
 
 @pytest.mark.parametrize("limit", [1, 4, 13])
@@ -200,9 +201,9 @@ def test_the_limit(limit: int) -> None:
         seen.append(progress)
         return True
 
-    solver = slsqp.Solver(problem, 1e-9, 1e-9, report)
-    attempt = solver.run(goal.model.seed_points.ravel(), problem.parameters(), None, limit)
-    assert attempt.status == "Maximum_Iterations_Exceeded"
+    solver = Slsqp(problem, 1e-9, 1e-9, report)
+    attempt = solver.run(Point(problem, goal.model.seed_points.ravel(), problem.parameters()), limit)
+    assert attempt.ending is Ending.LIMIT
     assert attempt.iterations == limit
     assert len(seen) <= limit
 

@@ -12,11 +12,11 @@ from specifications import TEXT
 
 from inverse.errors import InputError
 from inverse.spec import (
-    BetweenTarget,
+    BetweenKeys,
     FilePattern,
     GridPattern,
-    HeightTarget,
-    MeshTarget,
+    HeightKeys,
+    MeshKeys,
     Specification,
     from_mapping,
     load,
@@ -32,7 +32,7 @@ def test_a_full_specification(tmp_path: Path) -> None:
     assert isinstance(specification.pattern, GridPattern)
     assert specification.pattern.size == (16, 24)
     assert specification.pattern.sector_angle == 60.0
-    assert specification.target == HeightTarget(height="0.45 - 0.3*(x^2 + y^2)", domain=((-1, 1), (-1, 1)))
+    assert specification.target == HeightKeys(height="0.45 - 0.3*(x^2 + y^2)", domain=((-1, 1), (-1, 1)))
     assert specification.objectives == {"fit": 1.0, "fairness": 1e-4, "footprint": 0.0}
     first, second = specification.constraints.anchors
     assert (first.side, first.vertices, first.every) == ("u0", None, 2)
@@ -91,7 +91,7 @@ def test_overrides_that_fit(tmp_path: Path) -> None:
     path.write_text(TEXT)
     overrides = ["target.height=null", "target={mesh: a.obj}", "constraints.anchors.0.every=3", "name=b"]
     specification = load(path, overrides).specification
-    assert specification.target == MeshTarget(mesh="a.obj")
+    assert specification.target == MeshKeys(mesh="a.obj")
     assert specification.constraints.anchors[0].every == 3
     assert specification.name == "b"
 
@@ -185,7 +185,7 @@ def test_dumps_can_be_read_back(mapping: dict[str, Any], tmp_path: Path) -> None
 
 def test_members_of_unions() -> None:
     _, second, third, *_ = (from_mapping(mapping).specification for mapping in FULL)
-    assert isinstance(second.target, BetweenTarget)
+    assert isinstance(second.target, BetweenKeys)
     assert isinstance(third.pattern, FilePattern)
     assert third.pattern.keep_position is True
 

@@ -13,6 +13,7 @@ import inverse
 from inverse.errors import InputError
 from inverse.formulation.anchors import PolylineAnchor
 from inverse.formulation.formulate import formulate
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import seeds
 from inverse.spec import from_mapping, load
@@ -175,7 +176,7 @@ def test_degrees_of_freedom_of_generic_tubes(k: int, rows: int) -> None:
     made = result.formulation
     problem = Problem(made.goal.n_variables, made.objectives, [c for c in made.fixed if c.is_equation])
     x = made.goal.start(result.design.vertices_coords)
-    _, jacobian = problem.rows_and_jacobian(x, problem.parameters())
+    jacobian = Point(problem, x, problem.parameters()).jacobian
     sizes = np.linalg.svd(jacobian.toarray(), compute_uv=False)
     rank = int((sizes > 1e-9 * sizes[0]).sum())
     assert problem.n_variables - rank == 3 * rows + 7 * k // 2

@@ -17,6 +17,7 @@ from inverse.surfaces.axis import Axis, arc
 from inverse.surfaces.expression import SPACE, parse
 from inverse.surfaces.mesh import MeshTarget
 from inverse.surfaces.tube import TubeTarget
+from inverse.terms.tube_fit import TubeFitting
 
 LINE = Axis([[0, 0, 0], [0, 0, 4]], smooth=False)
 QUARTER = arc([0, 0, 0], [1 - np.sqrt(0.5), 0, np.sqrt(0.5)], [1, 0, 1])
@@ -98,6 +99,6 @@ def test_specifications_name_surfaces(tmp_path: Path) -> None:
         target = build_target(loaded)
         assert isinstance(target, TubeTarget)
         assert_close(target.radii(np.array([0.0, 0.5, 1.0])), [1.0, 0.9, 0.8], 2e-3)
-        assert formulate(loaded).goal.tube is not None
+        assert isinstance(formulate(loaded).goal.fitting, TubeFitting)
     with pytest.raises(InputError, match="there is no such file"):
         build_target(from_mapping(mapping | {"target": {"axis": axis, "mesh": "missing.obj"}}, tmp_path))

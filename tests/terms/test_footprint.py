@@ -14,12 +14,13 @@ from inverse import constraints
 from inverse.dragging import polish
 from inverse.formulation.formulate import formulate
 from inverse.model import DesignModel
+from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.objectives import Goal
 from inverse.origami import footprint
 from inverse.origami.folding import fold
 from inverse.origami.pattern import FloatArray
-from inverse.policy import verdict
+from inverse.policy import measures, verdict
 from inverse.solvers.run import Progress
 from inverse.terms.packed import Packed
 
@@ -40,7 +41,7 @@ def posed(name: str) -> DesignModel:
     equations = [c for c in constraints.hard_constraints(model, BOUNDS) if c.is_equation]
     problem = Problem(model.n_variables, [], equations)
     x = perturbed(seed.moved_to(model.seed_points), 0.02).vertices_coords.ravel()
-    return DesignModel(model.design(polish(problem, x, problem.parameters())))
+    return DesignModel(model.design(polish(Point(problem, x, problem.parameters())).variables))
 
 
 def packed(model: DesignModel, t: float, limits: list[float] | None = None, measure: Any = "extent") -> Packed:
@@ -71,8 +72,8 @@ def test_equations_lay_facets_as_folding_does(name: str, t: str) -> None:
     x = start_of(state)
     x[own] += 0.01 * np.random.default_rng(0).standard_normal(own.size)
     for _ in range(30):  # each vertex follows those before it, so that errors leave facet by facet
-        rows, jacobian = problem.rows_and_jacobian(x, problem.parameters())
-        x[own] -= np.linalg.solve(jacobian[:, own].toarray(), rows)
+        at = Point(problem, x, problem.parameters())
+        x[own] -= np.linalg.solve(at.jacobian[:, own].toarray(), at.rows)
     found = np.zeros((model.pattern.n_vertices, 3))
     found[:, : state.dimension] = state.scale * x[own].reshape(len(found), -1)
     motion = fold(model.seed.moved_to(model.seed_points), np.array([STATES[t]]))
@@ -88,7 +89,7 @@ def test_equations_lay_facets_as_folding_does(name: str, t: str) -> None:
 def test_rows_have_full_rank(name: str, t: str) -> None:
     state = packed(posed(name), STATES[t])
     problem, own = laying(state)
-    _, jacobian = problem.rows_and_jacobian(start_of(state), problem.parameters())
+    jacobian = Point(problem, start_of(state), problem.parameters()).jacobian
     block = jacobian[:, own].toarray()
     assert block.shape == (own.size, own.size)
     assert np.linalg.svd(block, compute_uv=False)[-1] > 1e-3
@@ -96,7 +97,7 @@ def test_rows_have_full_rank(name: str, t: str) -> None:
         return
     hard = [c for c in constraints.hard_constraints(state.model, BOUNDS) if c.is_equation]
     problem = Problem(problem.n_variables, [], [*hard, *state.constraints()[:2]])
-    _, jacobian = problem.rows_and_jacobian(start_of(state), problem.parameters())
+    jacobian = Point(problem, start_of(state), problem.parameters()).jacobian
     assert np.linalg.matrix_rank(jacobian.toarray()) == problem.n_rows
 
 
@@ -106,7 +107,7 @@ def test_the_first_box_is_the_smallest_around_the_seed(name: str, t: str) -> Non
     state = packed(posed(name), STATES[t])
     problem, x = problem_of(state), start_of(state)
     assert x.size == problem.n_variables
-    assert problem.violation(x, problem.parameters()) < 1e-12
+    assert Point(problem, x, problem.parameters()).violation < 1e-12
     assert_close(state.axes(x), state.seed_axes, 1e-12)
     sizes = state.scale * state.model.scale * x[-state.dimension :]
     assert list(sizes) == sorted(sizes, reverse=True)
@@ -234,11 +235,11 @@ def test_a_bound_that_does_not_hold_is_told() -> None:
     goal: Goal = formulate(task(constraints={"footprint": {"width": 0.1}})).goal
     x = goal.start(goal.model.seed.vertices_coords)
     x[goal.model.n_variables :] = 0.0  # the packed state claims to be a point; it is not asked
-    (found,) = verdict.limits(goal, x)
+    (found,) = measures.limits(goal, x)
     assert found["value"] == pytest.approx(least_width(footprint.laid_out(goal.model.seed, np.pi)[:, :2]))
     problem = Problem(goal.n_variables, [], goal.packed[0].constraints())
     x = goal.start(goal.model.seed.vertices_coords)
-    failed = verdict.judge(problem, x, np.zeros(problem.n_rows), problem.parameters(), goal)["failed"]
+    failed = verdict.judge(Point(problem, x, problem.parameters()), goal).failed
     assert f"the flat-folded width is {found['value']:.6g}, 0.1 allowed" in failed
 
 

@@ -17,7 +17,7 @@ from inverse.nlp.kernels import Elements
 from inverse.objectives import Goal
 from inverse.origami import geometry, seeds
 from inverse.origami.pattern import Design
-from inverse.policy import verdict
+from inverse.policy import measures
 from inverse.spec import from_mapping
 from inverse.surfaces.axis import Axis
 from inverse.surfaces.tube import TubeTarget
@@ -50,9 +50,9 @@ def residuals(elements: Elements, points: np.ndarray, model: DesignModel, parame
 def test_a_seed_on_a_straight_axis_fits_at_once(size: tuple[int, int], turn: float) -> None:
     lengths = np.linspace(1, 2, size[1]).tolist()
     goal = formulated(LINE, 0.7, size, pattern={"turn": turn}).goal
-    found = verdict.fit(goal, goal.model.seed)
-    assert found["max"] < 1e-12
-    assert_close(found["ends"], [0, 1], 1e-12)
+    found = measures.fit(goal, goal.model.seed)
+    assert found.max < 1e-12
+    assert_close(found.rings.ends, [0, 1], 1e-12)
     blocks = [e for name in ("fit", "coverage") for e in objectives.OBJECTIVES[name].build(goal)]
     assert [e.name for e in blocks] == ["fit", "coverage"]
     for e in blocks:
@@ -97,7 +97,7 @@ def test_a_seed_moves_turns_and_grows_with_its_target() -> None:
         geometry.edge_lengths(other.model.pattern, other.model.seed_points),
         1e-9,
     )
-    assert verdict.fit(other, other.model.seed)["max"] < 1e-9
+    assert measures.fit(other, other.model.seed).max < 1e-9
 
 
 # ---- figures and residuals
@@ -126,14 +126,14 @@ def test_figures_of_a_bent_tube_against_the_circle() -> None:
     inside = np.clip(t, 0, 1)
     rms = np.sqrt((seen(centroids.reshape(-1, 3))[1].reshape(9, 6) ** 2).mean(axis=1))
     expected = offsets, rms - (1 - 0.4 * inside)
-    for found, wanted in zip(tube_fit.deviations(goal.tube, centroids), expected, strict=True):
+    for found, wanted in zip(tube_fit.deviations(goal.target, centroids), expected, strict=True):
         assert_close(found, wanted, 1e-6)
-    told = verdict.fit(goal, design)
+    told = measures.fit(goal, design)
     relative = np.hypot(*expected) / (1 - 0.4 * inside)
-    assert told["points"] == "rings"
-    assert told["mean_over_radius"] == pytest.approx(relative.mean(), rel=1e-5)
-    assert told["max_over_radius"] == pytest.approx(relative.max(), rel=1e-5)
-    assert told["rms"] == pytest.approx(np.sqrt(np.mean(np.hypot(*expected) ** 2)), rel=1e-5)
+    assert told.points == "rings"
+    assert told.rings.mean_over_radius == pytest.approx(relative.mean(), rel=1e-5)
+    assert told.rings.max_over_radius == pytest.approx(relative.max(), rel=1e-5)
+    assert told.rms == pytest.approx(np.sqrt(np.mean(np.hypot(*expected) ** 2)), rel=1e-5)
 
 
 @pytest.mark.parametrize("axis", [LINE, BEND], ids=["line", "arc"])
@@ -141,9 +141,9 @@ def test_residuals_are_the_figures_where_their_parameters_are_fresh(axis: dict[s
     goal = formulated(axis, [[0, 1.0], [0.5, 0.9], [1, 0.5]], (6, 7)).goal
     model, points = goal.model, wavy(goal).vertices_coords
     (fit,) = objectives.OBJECTIVES["fit"].build(goal)
-    rows = residuals(fit, points, model, objectives.refreshed(goal, points)["fit"])
+    rows = residuals(fit, points, model, goal.fitting.refreshed(points)["fit"])
     rows *= model.scale * model.refinement
-    offsets, wide = tube_fit.deviations(goal.tube, tube_fit.ring_centroids(model.pattern, points))
+    offsets, wide = tube_fit.deviations(goal.target, tube_fit.ring_centroids(model.pattern, points))
     assert_close(np.linalg.norm(rows[:, :3], axis=1), offsets, 1e-9)
     assert_close(rows[:, 3], wide, 1e-9)
 
@@ -154,12 +154,12 @@ def test_parameters_are_right_to_first_order(axis: dict[str, Any], radius: Any) 
     goal = formulated(axis, radius, (6, 7)).goal
     model, points = goal.model, wavy(goal).vertices_coords
     (fit,) = objectives.OBJECTIVES["fit"].build(goal)
-    kept = objectives.refreshed(goal, points)["fit"]
+    kept = goal.fitting.refreshed(points)["fit"]
     along = np.random.default_rng(4).standard_normal(points.shape)
     errors = []
     for h in (1e-2, 5e-3):
         moved = points + h * along
-        _, wide = tube_fit.deviations(goal.tube, tube_fit.ring_centroids(model.pattern, moved))
+        _, wide = tube_fit.deviations(goal.target, tube_fit.ring_centroids(model.pattern, moved))
         errors.append(np.abs(residuals(fit, moved, model, kept)[:, 3] * model.scale * model.refinement - wide).max())
     assert errors[0] > 1e-8
     assert errors[1] < errors[0] / 3.5
@@ -170,7 +170,7 @@ def test_rings_are_drawn_to_their_places_along_the_axis() -> None:
     model = goal.model
     moved = model.seed.vertices_coords + 0.3 * np.array([0, 0.6, 0.8])
     (fit,), (ends,) = (objectives.OBJECTIVES[name].build(goal) for name in ("fit", "coverage"))
-    rows = residuals(fit, moved, model, objectives.refreshed(goal, moved)["fit"])
+    rows = residuals(fit, moved, model, goal.fitting.refreshed(moved)["fit"])
     size = model.scale * model.refinement
     assert_close(rows, np.tile([0, 0, 0, 0, tube_fit.ALONG * 0.3 / size], (5, 1)), 1e-9)
     assert_close(residuals(ends, moved, model, ends.parameters), tube_fit.ENDS * 0.3 / size, 1e-9)
@@ -180,7 +180,7 @@ def test_a_share_of_the_target_is_straighter_with_the_same_seed() -> None:
     whole, part = (formulate(from_mapping(task(BEND, [[0, 1.0], [1, 0.6]])), share) for share in (1.0, 0.25))
     assert_close(part.goal.model.seed.vertices_coords, whole.goal.model.seed.vertices_coords, 0)
     seed = whole.goal.model.seed
-    assert verdict.fit(part.goal, seed)["rms"] < 0.5 * verdict.fit(whole.goal, seed)["rms"]
+    assert measures.fit(part.goal, seed).rms < 0.5 * measures.fit(whole.goal, seed).rms
 
 
 # ---- other terms
@@ -190,7 +190,7 @@ def test_fairness_goes_on_around_closed_rings() -> None:
     """A displacement that turns with the tube has the same second differences at every vertex around."""
     model = DesignModel(tube(6, 4))
     target = TubeTarget(Axis([[0, 0, 0], [0, 0, 4]], smooth=False), 1.0)
-    (fairness,) = objectives.OBJECTIVES["fairness"].build(Goal(model, target, "facets"))
+    (fairness,) = objectives.OBJECTIVES["fairness"].build(Goal(tube_fit.TubeFitting(model, target)))
     triples = fairness.variables.reshape(-1, 3, 3)[:, :, 0] // 3
     around = triples[(triples % 5 == triples[:, :1] % 5).all(axis=1)]  # vertices of one row
     middle, count = np.unique(around[:, 1], return_counts=True)
@@ -205,13 +205,13 @@ def test_fairness_goes_on_around_closed_rings() -> None:
 def test_a_bent_seed_follows_axis_and_radius() -> None:
     """On a straight axis with its own radius it is the seed; on an arc its rings lie around it, wide as asked for."""
     still = formulated(LINE, 0.8).goal
-    assert_close(tube_fit.bent(still.model, still.tube), still.model.seed_points, 1e-9)
+    assert_close(still.fitting.fair_points(), still.model.seed_points, 1e-9)
     goal = formulated(BEND, [[0, 1.0], [1, 0.6]], (6, 60)).goal
-    points = goal.model.to_lengths(tube_fit.bent(goal.model, goal.tube))
+    points = goal.model.to_lengths(goal.fitting.fair_points())
     centroids = tube_fit.ring_centroids(goal.model.pattern, points)
-    offsets, wide = tube_fit.deviations(goal.tube, centroids)
+    offsets, wide = tube_fit.deviations(goal.target, centroids)
     assert max(offsets.max(), np.abs(wide).max()) < 0.02  # rows are straight, the axis is not
-    assert_close(goal.tube.axis.closest(centroids.mean(axis=1)), (np.arange(60) + 0.5) / 60, 1e-3)
+    assert_close(goal.target.axis.closest(centroids.mean(axis=1)), (np.arange(60) + 0.5) / 60, 1e-3)
     (fairness,) = objectives.OBJECTIVES["fairness"].build(goal)
     assert_close(residuals(fairness, points, goal.model, fairness.parameters), 0.0, 1e-9)
 
@@ -234,7 +234,9 @@ def test_a_file_without_rings_is_refused(tmp_path: Path) -> None:
 
 
 def test_fairness_of_four_around_names_no_vertex_twice() -> None:
-    goal = Goal(DesignModel(tube(4, 5)), TubeTarget(Axis([[0, 0, 0], [0, 0, 4]], smooth=False), 1.0), "facets")
+    goal = Goal(
+        tube_fit.TubeFitting(DesignModel(tube(4, 5)), TubeTarget(Axis([[0, 0, 0], [0, 0, 4]], smooth=False), 1.0))
+    )
     (fairness,) = objectives.OBJECTIVES["fairness"].build(goal)
     triples = fairness.variables.reshape(-1, 3, 3)[:, :, 0]
     assert all(len(set(triple)) == 3 for triple in triples.tolist())
