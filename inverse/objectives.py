@@ -3,62 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import casadi
 import numpy as np
 
-from inverse._types import FloatArray
 from inverse.errors import InputError
-from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel
 from inverse.nlp.term import Objective
 from inverse.origami import geometry
-from inverse.surfaces import Target
-from inverse.terms.fitting import Fitting
-from inverse.terms.packed import Packed
-
-
-@dataclass(frozen=True, eq=False)
-class Goal:
-    """What objectives may look at.
-
-    Attributes:
-        fitting: model and target.
-        packed: states whose extents are measured or limited, with variables of their own.
-        origin: (3,) point of the specification's coordinates that those of model and target are relative to.
-    """
-
-    fitting: Fitting
-    packed: tuple[Packed, ...] = ()
-    origin: FloatArray = field(default_factory=lambda: np.zeros(3))
-
-    @property
-    def model(self) -> DesignModel:
-        """The model."""
-        return self.fitting.model
-
-    @property
-    def target(self) -> Target:
-        """The target."""
-        return self.fitting.target
-
-    @property
-    def n_variables(self) -> int:
-        """Length of the vector of variables: the model's, then those of the packed states."""
-        return self.model.n_variables + sum(state.n_variables for state in self.packed)
-
-    @cached_property
-    def seed_variables(self) -> FloatArray:
-        """Variables (n_variables,) of the placed seed."""
-        return self.start(self.model.seed.vertices_coords)
-
-    def start(self, points: FloatArray) -> FloatArray:
-        """Variables (n_variables,) of a design with vertices (V, 3) in the seed's unit; packed states are folded."""
-        own = self.model.to_dimensionless(points)
-        return np.concatenate([own.ravel(), *(state.start(own) for state in self.packed)])
-
+from inverse.terms.goal import Goal
 
 Build = Callable[[Goal], list[Elements]]
 

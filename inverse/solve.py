@@ -15,13 +15,13 @@ from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.formulation.formulate import Formulation, formulate, moved_back
 from inverse.nlp.redundancy import dependence
-from inverse.objectives import Goal
 from inverse.origami.pattern import Design
 from inverse.policy import measures, statuses
 from inverse.policy.control import Control, Watch
 from inverse.policy.steps import SHORTEST_SHARE, Outcome, Policy, reasons
 from inverse.solvers.run import Ending
 from inverse.spec import Loaded
+from inverse.terms.goal import Goal
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
 from inverse.origami import seeds
-from inverse.origami.pattern import CFL, FL, Design, Pattern
+from inverse.origami.pattern import CFL, FL, B, Design, Pattern
 
 # Closed sections of Tachi's isotropic cylinders, steps (n, a, length).
 SECTIONS = {
@@ -173,3 +174,8 @@ def rows_of(constraint: Constraint, model: DesignModel, points: np.ndarray) -> n
 def holds(constraint: Constraint, model: DesignModel, points: np.ndarray) -> np.ndarray:
     rows = rows_of(constraint, model, points)
     return ((rows >= constraint.lower) & (rows <= constraint.upper)).all(axis=1)
+
+
+def exchanged(pattern: Pattern) -> Pattern:
+    """The other reading of the same mesh: every FL a CFL and back."""
+    return replace(pattern, edges_type=np.array([B, CFL, FL], np.int8)[pattern.edges_type])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -218,12 +217,10 @@ def thickness_of(design: Design, settings: Settings) -> Thickness | None:
 def _foldline(design: Design, a: int, b: int) -> list[int]:
     """Numbers of all edges of the foldline that the edge a-b is on."""
     pattern = design.pattern
-    number = {frozenset(pair): e for e, pair in enumerate(pattern.edges_vertices.tolist())}
-    edge = number.get(frozenset((a, b)))
+    edge = pattern.edge_between.get(frozenset((a, b)))
     if edge is None or pattern.edges_type[edge] == B:
         raise InputError(f"there is no foldline between vertices {a} and {b}", hint="Name an edge by its two vertices.")
-    for line in pattern.lines:
-        edges = [number[frozenset(pair)] for pair in pairwise(line)]
+    for edges in pattern.lines_edges:
         if edge in edges:
-            return edges
+            return list(edges)
     raise AssertionError("every edge that folds is on a line")

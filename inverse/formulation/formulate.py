@@ -18,7 +18,6 @@ from inverse.formulation.anchors import PolylineAnchor
 from inverse.limits import check_coordinates, check_extent
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint, Objective
-from inverse.objectives import Goal
 from inverse.origami import seeds
 from inverse.origami.pattern import Design
 from inverse.spec import BetweenKeys, FilePattern, HeightKeys, Loaded, TubeKeys, TubePattern
@@ -26,6 +25,7 @@ from inverse.spec.footprint import FootprintLimits, State, radians
 from inverse.surfaces import Target
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms.fitting import Fitting
+from inverse.terms.goal import Goal
 from inverse.terms.packed import Measure, Packed
 from inverse.terms.surface_fit import SurfaceFitting
 from inverse.terms.tube_fit import TubeFitting, is_tube

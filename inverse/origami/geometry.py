@@ -64,6 +64,13 @@ def fold_angles(pattern: Pattern, points: FloatArray) -> FloatArray:
     return angles
 
 
+def turn_onto(points: FloatArray, onto: FloatArray) -> FloatArray:
+    """The rotation, (3, 3), of points (N, 3) about the origin that brings them nearest to others (Kabsch)."""
+    u, _, vt = np.linalg.svd(onto.T @ points)
+    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
+    return np.asarray(u @ vt)
+
+
 def are_convex(pattern: Pattern, points: FloatArray) -> bool:
     """Whether every facet turns the same way at all its corners: none is reflex, none a bow-tie."""
     face, previous, vertex, following = pattern.corners.T

@@ -79,10 +79,9 @@ def _shortest(
 ) -> tuple[int, ...]:
     zero = (0,) * n_holes
     goal = tuple(int(h == hole) for h in range(n_holes))
-    edge_of = {frozenset(e): k for k, e in enumerate(pattern.edges_vertices.tolist())}
     best: tuple[int, ...] = ()
     for edge in cut:
-        start = int(pattern.edges_faces[edge_of[frozenset(edge)], 0])
+        start = int(pattern.edges_faces[pattern.edge_between[frozenset(edge)], 0])
         before: dict[tuple[int, tuple[int, ...]], tuple[int, tuple[int, ...]]] = {}
         queue = deque([(start, zero)])
         while queue and (start, goal) not in before:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,11 +86,6 @@ class Pattern:
         pattern._check_types()
         return pattern
 
-    def with_types_exchanged(self) -> Pattern:
-        """The other reading of the same mesh: every FL a CFL and back (the two flat states change names)."""
-        exchanged = np.array([B, CFL, FL], np.int8)[self.edges_type]
-        return replace(self, edges_type=exchanged)
-
     @cached_property
     def interior_edges(self) -> IntArray:
         """(K,) int: the edges that fold."""
@@ -168,6 +164,24 @@ class Pattern:
         return signs
 
     @cached_property
+    def edge_between(self) -> dict[frozenset[int], int]:
+        """Number of the edge between two vertices."""
+        return _numbers(self.edges_vertices)
+
+    @cached_property
+    def lines_edges(self) -> tuple[tuple[int, ...], ...]:
+        """Edges along every line of :attr:`lines`."""
+        return tuple(tuple(self.edge_between[frozenset(pair)] for pair in pairwise(line)) for line in self.lines)
+
+    @cached_property
+    def faces_edges(self) -> tuple[tuple[int, ...], ...]:
+        """Edges of every facet; the first one runs from its first vertex to its second."""
+        return tuple(
+            tuple(self.edge_between[frozenset(pair)] for pair in zip(face, face[1:] + face[:1], strict=True))
+            for face in self.faces_vertices
+        )
+
+    @cached_property
     def facet_tree(self) -> IntArray:
         """(F, 3) int, breadth first from facet 0: facet, its parent and the edge between (-1, -1 for the root)."""
         neighbours: list[list[tuple[int, int]]] = [[] for _ in self.faces_vertices]
@@ -221,6 +235,10 @@ class Design:
     def moved_to(self, vertices_coords: FloatArray) -> Design:
         """The same pattern with other coordinates, (V, 3)."""
         return replace(self, vertices_coords=np.array(vertices_coords, np.float64))
+
+
+def _numbers(edges_vertices: IntArray) -> dict[frozenset[int], int]:
+    return {frozenset(pair): k for k, pair in enumerate(edges_vertices.tolist())}
 
 
 def _name(vertices: IntArray) -> str:
@@ -287,7 +305,7 @@ def _rings(
     fans: list[dict[int, tuple[int, int]]] = [{} for _ in range(n_vertices)]
     for face, previous, vertex, following in corners.tolist():
         fans[vertex][following] = (face, previous)
-    edge_of = {frozenset(pair): k for k, pair in enumerate(edges_vertices.tolist())}
+    edge_between = _numbers(edges_vertices)
     interior, ring_vertices, ring_edges, ring_faces = [], [], [], []
     for vertex, fan in enumerate(fans):
         starts = set(fan) - {previous for _, previous in fan.values()}
@@ -310,7 +328,7 @@ def _rings(
             )
         interior.append(vertex)
         ring_vertices.append(ring)
-        ring_edges.append([edge_of[frozenset((vertex, other))] for other in ring])
+        ring_edges.append([edge_between[frozenset((vertex, other))] for other in ring])
         ring_faces.append(faces)
     shape = (len(interior), 4)
     return (

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -171,11 +170,9 @@ def _number_seams(svg: ET.Element, design: Design, sheets: list[Sheet], page: _P
 def _seam_numbers(design: Design, stride: int) -> dict[int, int]:
     """Numbers of every ``stride``-th edge of the complementary foldlines, counted along one line after another."""
     pattern = design.pattern
-    edge_of = {frozenset(pair): k for k, pair in enumerate(pattern.edges_vertices.tolist())}
     numbers: dict[int, int] = {}
     count = 0
-    for line in pattern.lines:
-        edges = [edge_of[frozenset(pair)] for pair in pairwise(line)]
+    for edges in pattern.lines_edges:
         if pattern.edges_type[edges[0]] == CFL:
             numbers |= {edge: count + k + 1 for k, edge in enumerate(edges) if k % stride == 0}
             count += len(edges)

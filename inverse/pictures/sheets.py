@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,12 +123,12 @@ class _Seam:
 
 def _seams(pattern: Pattern, sheet_of: IntArray, plane: ComplexArray, upwards: NDArray[np.bool_]) -> list[list[_Seam]]:
     """The seams of every sheet."""
-    line_of = {frozenset(pair): k for k, line in enumerate(pattern.lines) for pair in pairwise(line)}
+    line_of = {edge: k for k, edges in enumerate(pattern.lines_edges) for edge in edges}
     found: list[dict[tuple[int, int], _Seam]] = [{} for _ in range(int(sheet_of.max()) + 1)]
     for edge in np.flatnonzero(pattern.edges_type == CFL).tolist():
         tail, head = pattern.edges_vertices[edge].tolist()
         faces = pattern.edges_faces[edge].tolist()
-        line = line_of[frozenset((tail, head))]
+        line = line_of[edge]
         step = complex(plane[head] - plane[tail])
         seen = [step if upwards[face] else step.conjugate() for face in faces]  # left facet first
         for here, there, way in ((0, 1, 1), (1, 0, -1)):

@@ -9,11 +9,11 @@ import numpy as np
 
 from inverse._types import FloatArray
 from inverse.crossing import triangles_of
-from inverse.objectives import Goal
 from inverse.origami import footprint as folded
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
 from inverse.surfaces.mesh import MeshTarget
+from inverse.terms.goal import Goal
 from inverse.terms.packed import SIDES
 from inverse.terms.tube_fit import RingFit
 

@@ -14,7 +14,6 @@ from inverse.formulation.formulate import Formulation
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
-from inverse.objectives import Goal
 from inverse.origami import folding
 from inverse.policy import verdict
 from inverse.policy.attempts import Attempt, attempt_of
@@ -26,6 +25,7 @@ from inverse.solvers.run import Run
 from inverse.solvers.slsqp import Slsqp
 from inverse.spec import SolverKeys
 from inverse.terms import separation
+from inverse.terms.goal import Goal
 
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed

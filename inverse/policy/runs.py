@@ -11,7 +11,6 @@ import numpy as np
 from inverse._types import FloatArray
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
-from inverse.objectives import Goal
 from inverse.origami import geometry
 from inverse.policy import verdict
 from inverse.policy.control import Control
@@ -21,6 +20,7 @@ from inverse.solvers.relaxation import LightIpopt, relaxed
 from inverse.solvers.run import Ending, Progress, Run
 from inverse.solvers.slsqp import Slsqp
 from inverse.spec import SolverKeys
+from inverse.terms.goal import Goal
 
 TOO_FAR = 1.0  # a run without bounds is given up when it leaves them by more than this
 

@@ -14,7 +14,6 @@ from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.formulation.formulate import Formulation, formulate
 from inverse.nlp.point import Point
-from inverse.objectives import Goal
 from inverse.origami.pattern import Design
 from inverse.policy import coarse, verdict
 from inverse.policy.attempts import Attempt
@@ -25,6 +24,7 @@ from inverse.solvers.ipopt import NEAR
 from inverse.solvers.projection import Projection, balanced, polish
 from inverse.solvers.run import Ending
 from inverse.spec import Loaded, SolverKeys
+from inverse.terms.goal import Goal
 
 FIRST_SHARE = 0.25  # of the target's heights: where a path from the seed to the target begins
 SHORTEST_SHARE = 1 / 8  # steps of the path that fail are halved down to this

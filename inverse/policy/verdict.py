@@ -11,9 +11,9 @@ import numpy as np
 from inverse.certify import Certificate
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
-from inverse.objectives import Goal
 from inverse.origami import geometry
 from inverse.policy.measures import limits
+from inverse.terms.goal import Goal
 
 # All relative. Gradients: to :func:`gradient_scale`. Multipliers times slacks: to the objective.
 # Equations and bounds: in mean edge lengths, radians or the dimensionless form of the constraint.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -20,11 +19,9 @@ UNDECIDED = 0.02
 
 def lines_of_edges(pattern: Pattern) -> IntArray:
     """(E,) int: number of the line in ``pattern.lines`` that each edge belongs to, -1 on the boundary."""
-    edge_of = {pair_of(a, b): k for k, (a, b) in enumerate(pattern.edges_vertices.tolist())}
-    found = np.full(len(edge_of), -1, np.int64)
-    for number, line in enumerate(pattern.lines):
-        for a, b in pairwise(line):
-            found[edge_of[pair_of(a, b)]] = number
+    found = np.full(len(pattern.edges_vertices), -1, np.int64)
+    for number, edges in enumerate(pattern.lines_edges):
+        found[list(edges)] = number
     return found
 
 

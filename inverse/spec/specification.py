@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os.path
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +31,6 @@ from inverse.spec.pattern import FilePattern, GridPattern, PatternKeys, TubePatt
 from inverse.spec.target import BetweenKeys, HeightKeys, MeshKeys, TargetKeys, TubeKeys
 from inverse.spec.validation import validate
 from inverse.spec.yaml_source import Source
-from inverse.words import did_you_mean
 
 __all__ = [
     "Anchor",
@@ -259,22 +257,6 @@ class Loaded:
     specification: Specification
     source: Source
     folder: Path
-
-    def file(self, *keys: str) -> Path:
-        """The file that a key names, such as ``file("target", "mesh")``.
-
-        Raises:
-            InputError: there is no such file.
-        """
-        name: Any = self.specification
-        for key in keys:
-            name = getattr(name, key)
-        path: Path = self.folder / name
-        if os.path.isfile(path):
-            return path
-        names = [p.name for p in path.parent.iterdir()] if os.path.isdir(path.parent) else []
-        suggestion = did_you_mean(path.name, names)
-        raise self.source.error(keys, f"there is no file {path}.{suggestion}")
 
 
 def load(path: Path | str, overrides: Sequence[str] = ()) -> Loaded:

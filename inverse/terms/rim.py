@@ -50,7 +50,6 @@ def rim_places(seed: Design, target: Target, facets: IntArray) -> FloatArray:
 
 def _rows(pattern: Pattern) -> list[list[int]]:
     """Facets met on walking inwards from every boundary edge, across opposite edges of quads."""
-    edge_of = {frozenset(pair): k for k, pair in enumerate(pattern.edges_vertices.tolist())}
     rows = []
     for edge in np.flatnonzero(pattern.edges_type == B).tolist():
         facet = int(pattern.edges_faces[edge, 0])
@@ -58,7 +57,7 @@ def _rows(pattern: Pattern) -> list[list[int]]:
         while facet >= 0 and len(pattern.faces_vertices[facet]) == 4:
             row.append(facet)
             others = set(pattern.faces_vertices[facet]) - set(pattern.edges_vertices[edge].tolist())
-            edge = edge_of[frozenset(others)]
+            edge = pattern.edge_between[frozenset(others)]
             left, right = pattern.edges_faces[edge].tolist()
             facet = right if facet == left else left
         if row:

@@ -21,7 +21,7 @@ from inverse.errors import InputError
 from inverse.fabricate.panels import panels as panels_module
 from inverse.fabricate.panels.boxes import overlapping_boxes
 from inverse.fabricate.panels.contacts import RESOLUTION, first_contacts, penetrations
-from inverse.fabricate.panels.frames import facet_edges, local_corners
+from inverse.fabricate.panels.frames import local_corners
 from inverse.fabricate.panels.panels import panels
 from inverse.fabricate.panels.report import report_lines
 from inverse.fabricate.panels.separation import gaps
@@ -70,7 +70,8 @@ def test_outlines_are_those_of_half_planes_cut_by_shapely(make: Callable[[], Des
     delta = np.random.default_rng(1).uniform(0.3, 0.5, len(angles))
     height = 0.02
     thick = panels(design, Thickness(0.018, delta, hinge=0.004))
-    for f, (corners, edges) in enumerate(zip(local_corners(design), facet_edges(design.pattern), strict=True)):
+    edges_of = map(list, design.pattern.faces_edges)
+    for f, (corners, edges) in enumerate(zip(local_corners(design), edges_of, strict=True)):
         whole = shapely.Polygon(corners)
         left = []
         for side in (1, -1):

@@ -24,7 +24,7 @@ from inverse.nlp.kernels import Kernel
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
-from inverse.objectives import OBJECTIVES, Goal
+from inverse.objectives import OBJECTIVES
 from inverse.origami.holes import hole_strips
 from inverse.origami.pattern import Design
 from inverse.surfaces import Target
@@ -33,6 +33,7 @@ from inverse.surfaces.mesh import MeshTarget
 from inverse.surfaces.parametric import BetweenTarget, HeightTarget
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms import separation
+from inverse.terms.goal import Goal
 from inverse.terms.packed import Packed
 from inverse.terms.surface_fit import SurfaceFitting
 from inverse.terms.tube_fit import TubeFitting

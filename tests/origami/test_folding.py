@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 
+import designs
 import numpy as np
 import pytest
 from designs import ALL, GENERAL, GRIDS, TUBES, assert_close, best_motion, eggbox, miura, relabelled
@@ -188,7 +189,7 @@ def test_a_flat_folded_miura_is_one_column_of_facets() -> None:
 @pytest.mark.parametrize("name", ["miura", "eggbox", "hybrid", "polygonal", "tube6"])
 def test_exchanging_the_types_runs_the_motion_backward(name: str) -> None:
     design = ALL[name]()
-    other = Design(design.pattern.with_types_exchanged(), design.vertices_coords)
+    other = Design(designs.exchanged(design.pattern), design.vertices_coords)
     forward, backward = folding.fold(design, T), folding.fold(other, np.pi - T)
     assert_close(forward.fold_angles, backward.fold_angles, 1e-13)
     assert_close(forward.vertices_coords, backward.vertices_coords, 1e-12)

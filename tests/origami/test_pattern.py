@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import designs
 import numpy as np
 import pytest
 from designs import (
@@ -183,7 +184,7 @@ def test_facet_signs(name: str) -> None:
 
 def test_the_other_reading_exchanges_the_types_of_lines() -> None:
     pattern = ALL["hybrid"]().pattern
-    other = pattern.with_types_exchanged()
+    other = designs.exchanged(pattern)
     swap = {B: B, FL: CFL, CFL: FL}
     assert other.edges_type.tolist() == [swap[t] for t in pattern.edges_type.tolist()]
     np.testing.assert_array_equal(other.is_miura_vertex, pattern.is_miura_vertex)

@@ -13,6 +13,7 @@ from inverse import objectives
 from inverse.formulation.formulate import formulate
 from inverse.surfaces.mesh import MeshTarget
 from inverse.surfaces.parametric import HeightTarget
+from inverse.terms.goal import Goal
 from inverse.terms.surface_fit import SurfaceFitting, fit_vertices, mean_points
 
 DOME = {"height": "0.45 - 0.3*(x^2 + y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
@@ -60,7 +61,7 @@ def test_places_over_the_plan() -> None:
 
 def test_the_first_closest_points_lie_over_the_seed() -> None:
     vertices, triangles = HeightTarget(str(DOME["height"]), DOME["domain"]).triangles()  # type: ignore[arg-type]
-    goal = objectives.Goal(SurfaceFitting(formulate(task()).goal.model, MeshTarget(vertices, triangles)))
+    goal = Goal(SurfaceFitting(formulate(task()).goal.model, MeshTarget(vertices, triangles)))
     (elements,) = objectives.fit(goal)
     feet = goal.model.to_lengths(elements.parameters[:, :3])
     seed = mean_points(goal.model.seed.vertices_coords, fit_vertices(goal.model, "facets"))

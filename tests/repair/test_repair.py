@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import designs
 import numpy as np
 import pytest
 from designs import GENERAL, GRIDS, assert_close, eggbox, hybrid, miura, perturbed, relabelled, staircase, tube
@@ -45,7 +46,7 @@ def assert_repaired(result: Repair) -> None:
 
 def assert_types(found: Design, wanted: Design) -> None:
     """The same types edge by edge, or all of them exchanged."""
-    exchanged = wanted.pattern.with_types_exchanged()
+    exchanged = designs.exchanged(wanted.pattern)
     same = [np.array_equal(found.pattern.edges_type, p.edges_type) for p in (wanted.pattern, exchanged)]
     assert any(same)
 
@@ -91,7 +92,7 @@ def test_residuals_are_those_of_the_certificate() -> None:
         for exchanged in (False, True):
             design = perturbed(make(), 1e-3, 5)
             if exchanged:
-                design = replace(design, pattern=design.pattern.with_types_exchanged())
+                design = replace(design, pattern=designs.exchanged(design.pattern))
             found = residuals(design).document()
             checks = inverse.certify.check_frame(inverse.files.fold_format.frame_of(fold_file.document(design))).checks
             for name in ("developability", "flat_foldability"):
@@ -101,7 +102,7 @@ def test_residuals_are_those_of_the_certificate() -> None:
 
 def test_of_two_readings_the_one_with_more_foldlines() -> None:
     design = hybrid(4)
-    few = replace(design, pattern=design.pattern.with_types_exchanged())
+    few = replace(design, pattern=designs.exchanged(design.pattern))
     types = line_types.deduced(few)
     np.testing.assert_array_equal(types, design.pattern.edges_type)
     assert (types == FL).sum() > (types == CFL).sum()
@@ -156,7 +157,7 @@ def test_types_may_be_given(tmp_path: Path) -> None:
 
 def test_types_of_the_file_are_kept(tmp_path: Path) -> None:
     design = eggbox(4, 4)
-    other = replace(design, pattern=design.pattern.with_types_exchanged())
+    other = replace(design, pattern=designs.exchanged(design.pattern))
     for one in (design, other):
         document = fold_file.document(perturbed(one, NOISE))
         result = repair(write_fold(document, tmp_path))

@@ -16,12 +16,12 @@ from inverse.nlp.kernels import Elements, Kernel
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint, Objective
-from inverse.objectives import Goal
 from inverse.policy import verdict
 from inverse.solvers.chart import Chart, Functions
 from inverse.solvers.ipopt import Ipopt
 from inverse.solvers.run import Ending, Progress, Run
 from inverse.solvers.slsqp import Slsqp
+from inverse.terms.goal import Goal
 
 DOME = {"height": "0.45 - 0.3*(x^2 + y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
 PLANE = {"side": "u0", "every": 2, "to": {"plane": {"point": [-0.55, 0, 0], "normal": [1, 0, 0]}}}

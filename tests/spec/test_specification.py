@@ -104,20 +104,6 @@ def test_scripts_are_told_the_key_path() -> None:
         from_mapping({**MINIMAL, "pattern": {"size": (10**30, 4)}})
 
 
-def test_files_are_looked_up_beside_the_specification(tmp_path: Path) -> None:
-    path = tmp_path / "a.yaml"
-    path.write_text("name: a\npattern: {kind: file, file: seed.fold}\ntarget: {mesh: dome.obj}\n")
-    (tmp_path / "seed.fold").write_text("{}")
-    (tmp_path / "dom.obj").write_text("")
-    loaded = load(path)
-    assert loaded.file("pattern", "file") == tmp_path / "seed.fold"
-    with pytest.raises(InputError, match=r"a\.yaml:3:16: there is no file .*dome.obj\. Did you mean dom\.obj\?"):
-        loaded.file("target", "mesh")
-    for name in ("a\0b", "x" * 5000, "none/a.obj"):
-        with pytest.raises(InputError, match="there is no file"):
-            from_mapping({**MINIMAL, "target": {"mesh": name}}, tmp_path).file("target", "mesh")
-
-
 PLANE = {"point": [0, 0, 1], "normal": [0, 1e-3, 0]}
 CURVE = [[0, 0, 0], [1, 2, 3], [4, 5, 6.5]]
 FULL: list[dict[str, Any]] = [

@@ -16,12 +16,12 @@ from inverse.formulation.formulate import formulate
 from inverse.model import DesignModel
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
-from inverse.objectives import Goal
 from inverse.origami import footprint
 from inverse.origami.folding import fold
 from inverse.origami.pattern import FloatArray
 from inverse.policy import measures, verdict
 from inverse.solvers.run import Progress
+from inverse.terms.goal import Goal
 from inverse.terms.packed import Packed
 
 BOUNDS = {"edge_length": (0.3, 3.0), "sector_angle": (0.3, 2.7), "fold_angle": (0.35, 2.8)}

@@ -14,7 +14,6 @@ from inverse import objectives
 from inverse.formulation.formulate import Formulation, formulate
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements
-from inverse.objectives import Goal
 from inverse.origami import geometry, seeds
 from inverse.origami.pattern import Design
 from inverse.policy import measures
@@ -22,6 +21,7 @@ from inverse.spec import from_mapping
 from inverse.surfaces.axis import Axis
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms import tube_fit
+from inverse.terms.goal import Goal
 
 SIDE = float(6 * np.sqrt(0.5))
 BEND: dict[str, Any] = {"arc": [[0, 0, 0], [6 - SIDE, 0, SIDE], [6, 0, 6]]}

@@ -93,8 +93,7 @@ def seams(design: Design, pieces: list[Piece]) -> dict[int, int]:
     """Numbers from 1 on of all edges between pieces, rising along every line, by their numbers in the design."""
     pattern = design.pattern
     piece_of = {f: k for k, piece in enumerate(pieces) for f in piece.faces}
-    number_of = {frozenset(pair): e for e, pair in enumerate(pattern.edges_vertices.tolist())}
-    along = [number_of[frozenset(pair)] for line in pattern.lines for pair in pairwise(line)]
+    along = [edge for edges in pattern.lines_edges for edge in edges]
     cut = [edge for edge in along if len({piece_of[f] for f in pattern.edges_faces[edge].tolist()}) == 2]
     return {edge: number for number, edge in enumerate(cut, 1)}
 

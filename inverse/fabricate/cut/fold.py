@@ -29,7 +29,6 @@ def crease_fold(design: Design, *, scale: float = 1.0) -> bytes:
     pieces = pieces_of(design, scale)
     numbers = seams(design, pieces)
     valley = geometry.fold_angles(pattern, design.vertices_coords) > 0
-    number_of = {frozenset(pair): e for e, pair in enumerate(pattern.edges_vertices.tolist())}
     coords: list[list[float]] = []
     edges: list[list[int]] = []
     faces: list[list[int]] = []
@@ -47,7 +46,7 @@ def crease_fold(design: Design, *, scale: float = 1.0) -> bytes:
             face = pattern.faces_vertices[f]
             faces.append([first[v] for v in face])
             facets.append(f)
-            used |= {number_of[frozenset(pair)]: None for pair in zip(face, (*face[1:], face[0]), strict=True)}
+            used |= dict.fromkeys(pattern.faces_edges[f])
         own += used
         edges += [[first[v] for v in pattern.edges_vertices[edge].tolist()] for edge in used]
     border = [pattern.edges_type[edge] == B or edge in numbers for edge in own]

@@ -133,7 +133,7 @@ def _nodes(design: Design) -> _Nodes:
     coords[n // 2] = design.vertices_coords - design.vertices_coords.mean(axis=0)
     for way in (1, -1):
         for k in range(n // 2 + way, n + 1 if way > 0 else -1, way):
-            coords[k] = coords[k] @ _turn(coords[k], coords[k - way]).T
+            coords[k] = coords[k] @ geometry.turn_onto(coords[k], coords[k - way]).T
     return _Nodes(t, coords)
 
 
@@ -145,7 +145,7 @@ def _held(design: Design, t: FloatArray, nodes: _Nodes) -> tuple[FloatArray, Flo
     # Each state follows the node before it on the way from the design state.
     half, step = len(nodes.t) // 2, nodes.t[1]
     before = half + np.trunc((t - np.pi / 2) / step).astype(np.int64)
-    hold = np.stack([_turn(one, nodes.coords[k]) for one, k in zip(free - middle, before, strict=True)])
+    hold = np.stack([geometry.turn_onto(one, nodes.coords[k]) for one, k in zip(free - middle, before, strict=True)])
     centroids = geometry.facet_centroids(design.pattern, design.vertices_coords)
     moved = (rotation @ centroids[..., None])[..., 0] + shift - middle
     quaternions = Rotation.from_matrix((hold[:, None] @ rotation).reshape(-1, 3, 3)).as_quat()
@@ -154,13 +154,6 @@ def _held(design: Design, t: FloatArray, nodes: _Nodes) -> tuple[FloatArray, Flo
     home = np.tile(design.vertices_coords.mean(axis=0), (len(t), 1, 1))
     home[..., 2] = design.vertices_coords[:, 2].min() - coords[..., 2].min(axis=1, keepdims=True)
     return quaternions.reshape(*rotation.shape[:2], 4), moved @ turn + home, coords + home
-
-
-def _turn(points: FloatArray, onto: FloatArray) -> FloatArray:
-    """The rotation, (3, 3), of points (N, 3) about the origin that brings them nearest to others (Kabsch)."""
-    u, _, vt = np.linalg.svd(onto.T @ points)
-    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
-    return np.asarray(u @ vt)
 
 
 def _turned(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from inverse._types import FloatArray, IntArray
+from inverse._types import FloatArray
 from inverse.origami import folding, geometry
 from inverse.origami.pattern import Design, Pattern
 
@@ -33,13 +33,4 @@ def local_corners(design: Design) -> list[FloatArray]:
     return [
         (design.vertices_coords[list(face)] - origin) @ own[:2].T
         for face, own, origin in zip(design.pattern.faces_vertices, axes, origins, strict=True)
-    ]
-
-
-def facet_edges(pattern: Pattern) -> list[IntArray]:
-    """Edges of every facet, (k,); the first one runs from its first vertex to its second."""
-    number = {frozenset(pair): k for k, pair in enumerate(pattern.edges_vertices.tolist())}
-    return [
-        np.array([number[frozenset((a, b))] for a, b in zip(face, face[1:] + face[:1], strict=True)])
-        for face in pattern.faces_vertices
     ]

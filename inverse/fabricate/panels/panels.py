@@ -11,7 +11,7 @@ import numpy as np
 from inverse._types import FloatArray
 from inverse.errors import InputError
 from inverse.fabricate.panels.corners import with_corners_cut
-from inverse.fabricate.panels.frames import facet_edges, local_corners, poses
+from inverse.fabricate.panels.frames import local_corners, poses
 from inverse.fabricate.panels.insets import Cuts, joined, padded
 from inverse.fabricate.panels.thickness import Range, Thickness, motion_range
 from inverse.origami import geometry
@@ -135,7 +135,7 @@ def _edge_cuts(design: Design, thickness: Thickness, corners: list[FloatArray]) 
     angles = geometry.fold_angles(pattern, design.vertices_coords)
     slopes = 1 / np.tan(thickness.deltas(pattern) / 2)
     cuts = []
-    for own, edges in zip(corners, facet_edges(pattern), strict=True):
+    for own, edges in zip(corners, map(list, pattern.faces_edges), strict=True):
         along = geometry.unit(np.roll(own, -1, axis=0) - own)
         normals = np.stack([-along[:, 1], along[:, 0]], axis=1)
         offsets = (normals * own).sum(axis=1)

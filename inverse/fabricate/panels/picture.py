@@ -95,9 +95,7 @@ def placed(panels: Panels, t: float, onto: FloatArray) -> tuple[list[Part], Floa
     """Parts and ideal surface (V, 3) at ``t`` radians, moved as near as can be to vertices ``onto`` (V, 3)."""
     points = folding.fold(panels.design, np.array([t])).vertices_coords[0]
     home, there = points.mean(axis=0), onto.mean(axis=0)
-    u, _, vt = np.linalg.svd((points - home).T @ (onto - there))
-    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
-    turn = u @ vt
+    turn = geometry.turn_onto(points - home, onto - there).T
     parts = [replace(part, points=(part.points - home) @ turn + there) for part in panel_parts(panels, t)]
     return parts, (points - home) @ turn + there
 
