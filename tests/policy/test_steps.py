@@ -30,6 +30,7 @@ from inverse.policy import statuses, verdict
 from inverse.solvers.ipopt import Ipopt
 from inverse.solvers.run import Ending, Run
 from inverse.surfaces.parametric import BetweenTarget, HeightTarget
+from inverse.terms.surface_fit import SurfaceFitting
 
 
 def steps(result: inverse.Result) -> list[str]:
@@ -217,15 +218,15 @@ def test_what_the_certificate_refuses_is_not_solved(monkeypatch: pytest.MonkeyPa
 
 def test_what_a_step_raises_loses_no_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """The measure of the fit breaks after the first round: its best iterate is kept, and the cause is told."""
-    fit_distances, called = verdict.fit_distances, []
+    distances, called = SurfaceFitting.distances, []
 
-    def broken(goal: objectives.Goal, points: FloatArray) -> FloatArray:
+    def broken(fitting: SurfaceFitting, points: FloatArray) -> FloatArray:
         called.append(points)
         if len(called) == 1:
             raise np.linalg.LinAlgError("Singular matrix")
-        return fit_distances(goal, points)
+        return distances(fitting, points)
 
-    monkeypatch.setattr(verdict, "fit_distances", broken)
+    monkeypatch.setattr(SurfaceFitting, "distances", broken)
     result = inverse.solve(task())
     assert result.ending == "failed"
     assert "the step start raised LinAlgError: Singular matrix" in result.status
