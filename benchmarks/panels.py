@@ -69,7 +69,7 @@ def main() -> None:
     arguments = parser.parse_args()
     shown = {}
     if arguments.sizes is None or arguments.pictures:
-        vault = inverse.solve(inverse.load(VAULT, ("pattern.size=[16,16]",))).design
+        vault = inverse.solve(inverse.load(VAULT, ["pattern.size=[16,16]"])).design
         shown = {"vault": vault, "tube": seeds.tube(SECTION, 10)}
     print(HEADER)
     for name, design in shown.items():
