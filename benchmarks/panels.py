@@ -18,8 +18,8 @@ import numpy as np
 import inverse
 from inverse.fabricate.panels.contacts import Contact, first_contacts, penetrations
 from inverse.fabricate.panels.panels import Panels, panels
-from inverse.fabricate.panels.picture import panels_picture
 from inverse.fabricate.panels.thickness import Thickness
+from inverse.fabricate.picture import panels_picture
 from inverse.origami import seeds
 from inverse.origami.pattern import Design
 

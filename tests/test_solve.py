@@ -101,7 +101,7 @@ def test_units_do_not_matter(factor: float) -> None:
 
 def test_a_target_mesh(tmp_path: Path) -> None:
     """A fine mesh of the dome gives the dome's design, to the mesh's own accuracy."""
-    target = dome().formulation.goal.target
+    target = formulate(task()).goal.target
     trimesh.Trimesh(*target.triangles(), process=False).export(tmp_path / "dome.obj")
     result = inverse.solve(task(tmp_path, target={"mesh": "dome.obj"}))
     assert_good(result)

@@ -113,7 +113,7 @@ def test_a_signal_before_there_is_a_design(
     number: signal.Signals, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As CasADi does it: what a handler raises comes out as something else."""
-    module = importlib.import_module("inverse.solve")
+    module = importlib.import_module("inverse.results.making")
     formulate = module.formulate
 
     def in_casadi(*given: Any) -> Any:

@@ -178,13 +178,6 @@ def schema() -> int:
     return 0
 
 
-def main() -> None:
-    """What scripts call that were installed by earlier versions."""
-    from inverse.__main__ import main as program
-
-    program()
-
-
 def run(arguments: list[str]) -> int:
     """Run the command line; wrong input becomes a message and a code, never a traceback."""
     try:
