@@ -232,3 +232,13 @@ def test_the_certificate_shares_the_file_format_alone():
     names = {name for path in (PACKAGE / "certify").glob("*.py") for _, name in imports_of(path)}
     shared = {name.rsplit(".", 1)[0] for name in names if name.startswith("inverse.files")}
     assert shared <= {"inverse.files", "inverse.files.fold_format"}
+
+
+def test_the_tree_in_the_readme_names_every_room():
+    text = (PACKAGE.parent / "README.md").read_text(encoding="utf-8")
+    tree = text[text.index("inverse/\n") : text.index("targets/   ")]
+    for path in sorted(PACKAGE.iterdir()):
+        if path.is_dir() and path.name != "__pycache__":
+            assert f"  {path.name}/ " in tree, path.name
+        elif path.suffix == ".py" and not path.name.startswith("__"):
+            assert path.stem in tree, path.name

@@ -1,1 +1,1 @@
-"""The command line."""
+"""The command line: human words on stderr, results on stdout."""

@@ -1,1 +1,1 @@
-"""A sparse nonlinear program from mapped kernels; no geometry."""
+"""A sparse nonlinear program from mapped kernels, and a point of it; no geometry."""
