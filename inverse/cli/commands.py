@@ -13,7 +13,7 @@ from cyclopts import App, CycloptsError, Parameter
 from inverse import interrupts
 from inverse.cli.export import export
 from inverse.cli.fold import fold
-from inverse.cli.terminal import Line
+from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
 from inverse.files.atomic import json_text
 
@@ -237,7 +237,7 @@ def _repair_summary(result: Repair, folder: Path) -> dict[str, object]:
     }
 
 
-class _Watch(Line):
+class _Watch(ProgressLine):
     """Shows the iterations on stderr."""
 
     def __call__(self, phase: str, progress: Progress) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter, Token
 
 from inverse.cli.output import file_for, folder_for, is_file_name, write_all
-from inverse.cli.terminal import Line
+from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def export(
     )
     formats.check(name, settings)
     mesh = fold_file.read(design)
-    with Line() as line:
+    with ProgressLine() as line:
         line.show(f"writing {name}")
         contents = formats.export(mesh, name, settings)
         notes = _notes(mesh, settings, line)
@@ -122,7 +122,7 @@ def _format(to: str | None, out: Path | None) -> str:
     return given or ending or ""
 
 
-def _notes(design: Design, settings: Settings, line: Line) -> list[str]:
+def _notes(design: Design, settings: Settings, line: ProgressLine) -> list[str]:
     """What is told about thick panels: how far they fold, and who meets whom."""
     from inverse.fabricate import formats
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter, Token
 
 from inverse.cli.output import file_for, folder_for, is_file_name, write_all
-from inverse.cli.terminal import Line
+from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def fold(
         if thick is None and (delta, hinge) != (None, None):
             raise InputError("delta and a hinge sheet are of thick panels", hint="Give --thickness too.")
         around = _surroundings(target, context, figure, mesh.unit)
-        with Line() as line:
+        with ProgressLine() as line:
             content = motion.animation(
                 mesh, list(named), frames=count, degrees=degrees, thickness=thick, size=size or motion.SIZE,
                 surroundings=around, progress=lambda done, n: line.show(f"drawing frame {done} of {n}"),

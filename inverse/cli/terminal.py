@@ -7,7 +7,7 @@ import time
 from typing import Self
 
 
-class Line:
+class ProgressLine:
     """Shows progress on stderr: one line that changes on a terminal, else a line every few seconds."""
 
     def __init__(self, every_s: float = 5.0) -> None:

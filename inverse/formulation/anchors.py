@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -62,38 +62,11 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[
             more than three times, or the anchors take more freedoms than the pattern has.
     """
     fixed, sliding = [], []
-    held: dict[int, int] = {}
-    taken: dict[tuple[float, ...], int] = {}
-    total = 0
+    demand = _Demand(loaded, model.pattern.degrees_of_freedom)
     for k, anchor in enumerate(loaded.specification.constraints.anchors):
         vertices = _vertices(loaded, k, anchor, model.pattern)
         name = f"anchor_{k}"
-        rows = _rows(anchor)
-        if anchor.to.point is not None and len(vertices) > 1:
-            raise loaded.source.error(
-                _key(k, "to"), f"{len(vertices)} vertices are anchored to one point, where they would coincide",
-                "Anchor a single vertex to a point, or a side to a polyline.",
-            )  # fmt: skip
-        if anchor.to.point is not None and taken.setdefault(anchor.to.point, int(vertices[0])) != vertices[0]:
-            raise loaded.source.error(
-                _key(k, "to"), f"vertex {vertices[0]} is anchored to the point where vertex {taken[anchor.to.point]} is"
-            )
-        for vertex in vertices.tolist():
-            held[vertex] = held.get(vertex, 0) + rows
-            if held[vertex] > 3:
-                raise loaded.source.error(
-                    _key(k), f"vertex {vertex} is held by {held[vertex]} equations of this and earlier anchors, "
-                    "but a vertex has 3 coordinates", "Leave the vertex out of one of the anchors.",
-                )  # fmt: skip
-        left = model.pattern.degrees_of_freedom - total
-        total += rows * len(vertices)
-        if total > model.pattern.degrees_of_freedom:
-            raise loaded.source.error(
-                _key(k),
-                f"this anchor takes {rows * len(vertices)} freedoms, but of the pattern's "
-                f"{model.pattern.degrees_of_freedom} only {left} are left",
-                "Anchor fewer vertices, for example with `every: 2`.",
-            )
+        demand.add(k, anchor, vertices)
         if anchor.to.polyline is not None:
             sliding.append(_on_polyline(name, vertices, np.array(anchor.to.polyline) - origin, model))
         elif anchor.to.polygon is not None:
@@ -102,6 +75,50 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[
         else:
             fixed.append(_fixed(name, vertices, anchor, model, origin))
     return fixed, sliding
+
+
+@dataclass
+class _Demand:
+    """What anchors ask for so far: points, equations of every vertex, and freedoms of the pattern."""
+
+    loaded: Loaded
+    freedoms: int
+    held: dict[int, int] = field(default_factory=dict)
+    taken: dict[tuple[float, ...], int] = field(default_factory=dict)
+    total: int = 0
+
+    def add(self, k: int, anchor: Anchor, vertices: IntArray) -> None:
+        """Count anchor k in.
+
+        Raises:
+            InputError: vertices share a point, a vertex is held more than three times, or freedoms run out.
+        """
+        source, rows, point = self.loaded.source, _rows(anchor), anchor.to.point
+        if point is not None and len(vertices) > 1:
+            raise source.error(
+                _key(k, "to"), f"{len(vertices)} vertices are anchored to one point, where they would coincide",
+                "Anchor a single vertex to a point, or a side to a polyline.",
+            )  # fmt: skip
+        if point is not None and self.taken.setdefault(point, int(vertices[0])) != vertices[0]:
+            raise source.error(
+                _key(k, "to"), f"vertex {vertices[0]} is anchored to the point where vertex {self.taken[point]} is"
+            )
+        for vertex in vertices.tolist():
+            self.held[vertex] = self.held.get(vertex, 0) + rows
+            if self.held[vertex] > 3:
+                raise source.error(
+                    _key(k), f"vertex {vertex} is held by {self.held[vertex]} equations of this and earlier anchors, "
+                    "but a vertex has 3 coordinates", "Leave the vertex out of one of the anchors.",
+                )  # fmt: skip
+        left = self.freedoms - self.total
+        self.total += rows * len(vertices)
+        if self.total > self.freedoms:
+            raise source.error(
+                _key(k),
+                f"this anchor takes {rows * len(vertices)} freedoms, but of the pattern's {self.freedoms} only {left} "
+                "are left",
+                "Anchor fewer vertices, for example with `every: 2`.",
+            )
 
 
 def _key(k: int, *more: str) -> tuple[str | int, ...]:

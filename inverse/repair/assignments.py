@@ -11,7 +11,7 @@ so that |t| is one number along a whole line of creases, and the ratio of two li
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -163,59 +163,84 @@ def _searched(
     Where the file leaves no choice anywhere, sizes are not compared: a pattern drawn inexactly has them nearly right,
     and its errors are reported afterwards.
     """
-    lines = line_of[pattern.ring_edges[:, :2]].tolist()
-    rings = pattern.ring_edges.tolist()
     compare = any(len(options) > 1 for options in ways)
-    sign = given.copy()
-    size: dict[int, float] = {}
-    chosen: dict[int, Way] = {}
-    undo: list[tuple[list[int], list[int]]] = []
+    lines = line_of[pattern.ring_edges[:, :2]].tolist()
+    taken = _Taken(pattern.ring_edges.tolist(), lines, given.copy(), agreement if compare else np.inf)
     untried: list[list[Way]] = []
     trials = 0
-
-    def fits(k: int, way: Way) -> bool:
-        if any(sign[e] not in (0, s) for e, s in zip(rings[k], way.signs, strict=True)):
-            return False
-        a, b = lines[k]
-        if not compare:
-            return True
-        if a == b:
-            return abs(way.log_ratio) <= agreement
-        return a not in size or b not in size or abs(size[b] - size[a] - way.log_ratio) <= agreement
-
-    while len(undo) < len(order):
-        depth = len(undo)
+    while len(taken.steps) < len(order):
+        depth = len(taken.steps)
         k = order[depth]
         if len(untried) == depth:
-            untried.append([way for way in reversed(ways[k]) if fits(k, way)])
+            untried.append([way for way in reversed(ways[k]) if taken.admits(k, way)])
         if untried[-1] and trials < MOST_TRIALS:
             trials += 1
-            way = untried[-1].pop()
-            edges = [e for e in rings[k] if sign[e] == 0]
-            for e, s in zip(rings[k], way.signs, strict=True):
-                sign[e] = s
-            a, b = lines[k]
-            sized = []
-            if a not in size and b not in size:
-                size[a] = 0.0
-                sized.append(a)
-            if a not in size:
-                size[a] = size[b] - way.log_ratio
-                sized.append(a)
-            if b not in size:
-                size[b] = size[a] + way.log_ratio
-                sized.append(b)
-            chosen[k] = way
-            undo.append((edges, sized))
+            taken.take(k, untried[-1].pop())
             continue
-        if not undo or trials >= MOST_TRIALS:
+        if depth == 0 or trials >= MOST_TRIALS:
             return None
         untried.pop()
-        edges, sized = undo.pop()
-        sign[edges] = 0
-        for line in sized:
-            del size[line]
-    return sign, [chosen[k] for k in range(len(ways))]
+        taken.undo()
+    chosen = {step.vertex: step.way for step in taken.steps}
+    return taken.sign, [chosen[k] for k in range(len(ways))]
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A way taken at a vertex, and what it decided: edges and lines that were open before."""
+
+    vertex: int
+    way: Way
+    edges: list[int]
+    lines: list[int]
+
+
+@dataclass
+class _Taken:
+    """Ways taken so far, with the signs of edges and the sizes of lines that follow from them."""
+
+    rings: list[list[int]]
+    lines: list[list[int]]
+    sign: IntArray
+    agreement: float
+    size: dict[int, float] = field(default_factory=dict)
+    steps: list[_Step] = field(default_factory=list)
+
+    def admits(self, k: int, way: Way) -> bool:
+        """Whether a way at vertex k agrees with those taken."""
+        if any(self.sign[e] not in (0, s) for e, s in zip(self.rings[k], way.signs, strict=True)):
+            return False
+        a, b = self.lines[k]
+        if a == b:
+            return abs(way.log_ratio) <= self.agreement
+        if a not in self.size or b not in self.size:
+            return True
+        return abs(self.size[b] - self.size[a] - way.log_ratio) <= self.agreement
+
+    def take(self, k: int, way: Way) -> None:
+        """Take a way at vertex k."""
+        edges = [e for e in self.rings[k] if self.sign[e] == 0]
+        for e, s in zip(self.rings[k], way.signs, strict=True):
+            self.sign[e] = s
+        a, b = self.lines[k]
+        lines = []
+        if a not in self.size and b not in self.size:
+            self.size[a] = 0.0
+            lines.append(a)
+        if a not in self.size:
+            self.size[a] = self.size[b] - way.log_ratio
+            lines.append(a)
+        if b not in self.size:
+            self.size[b] = self.size[a] + way.log_ratio
+            lines.append(b)
+        self.steps.append(_Step(k, way, edges, lines))
+
+    def undo(self) -> None:
+        """Take the last way back."""
+        step = self.steps.pop()
+        self.sign[step.edges] = 0
+        for line in step.lines:
+            del self.size[line]
 
 
 def _sizes(pattern: Pattern, line_of: IntArray, chosen: list[Way]) -> tuple[FloatArray, FloatArray]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from inverse._types import FloatArray, IntArray
 from inverse.fabricate.panels.frames import local_corners, poses
-from inverse.fabricate.panels.insets import Cuts, clipped, padded
+from inverse.fabricate.panels.insets import Insets, clipped, padded
 from inverse.fabricate.panels.separation import gaps
 from inverse.origami import geometry
 from inverse.origami.pattern import Design, Pattern
@@ -28,7 +28,7 @@ _CONTACT = 1e-13  # depth of an overlap that counts as mere contact, of the sect
 Corner = tuple[int, int]  # a facet, and which of its vertices
 
 
-def with_corners_cut(design: Design, cuts: list[tuple[Cuts, Cuts]], t: FloatArray) -> list[tuple[Cuts, Cuts]]:
+def with_corners_cut(design: Design, cuts: list[tuple[Insets, Insets]], t: FloatArray) -> list[tuple[Insets, Insets]]:
     """Cut corners back where layers of facets that share a vertex only would overlap.
 
     Args:
@@ -80,7 +80,7 @@ class _Sector:
         return _solid(outline[None], layer, axes)
 
 
-def _reach(design: Design, cuts: list[tuple[Cuts, Cuts]]) -> float:
+def _reach(design: Design, cuts: list[tuple[Insets, Insets]]) -> float:
     """A length beside which everything at a vertex is small: the lines of a corner meet slope / sin(angle) from it."""
     steepest = max(float(layer.slopes.max()) for pair in cuts for layer in pair)
     return (
@@ -90,13 +90,13 @@ def _reach(design: Design, cuts: list[tuple[Cuts, Cuts]]) -> float:
     )
 
 
-def _sector(corners: FloatArray, cuts: tuple[Cuts, Cuts], k: int, reach: float) -> _Sector:
+def _sector(corners: FloatArray, cuts: tuple[Insets, Insets], k: int, reach: float) -> _Sector:
     before, here, after = corners[k - 1], corners[k], corners[(k + 1) % len(corners)]
     sides = geometry.unit(np.array([after - here, before - here]))
     lines = [k, k - 1]
     open_end = np.vstack([np.zeros(2), reach * sides])
     upper, lower = (
-        Cuts(layer.normals[lines], np.zeros(2), layer.slopes[lines], layer.hinges[lines]).outline(open_end, 1.0)
+        Insets(layer.normals[lines], np.zeros(2), layer.slopes[lines], layer.hinges[lines]).outline(open_end, 1.0)
         for layer in cuts
     )
     return _Sector(geometry.unit(sides.sum(axis=0)), (upper, lower), _CONTACT * reach)

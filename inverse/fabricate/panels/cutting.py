@@ -28,7 +28,7 @@ _GAP = 1.0  # between pieces, of their thickness
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Blank:
     """One layer of one panel as it is cut.
 
     Attributes:
@@ -84,7 +84,7 @@ def dxf(
     return files | {"cut_list.csv": cut_list(thick, pieces, [names[place.sheet] for place in placed])}
 
 
-def pieces_of(thick: Panels, density: float | None) -> list[Piece]:
+def pieces_of(thick: Panels, density: float | None) -> list[Blank]:
     """The layers of all panels.
 
     Raises:
@@ -97,11 +97,11 @@ def pieces_of(thick: Panels, density: float | None) -> list[Piece]:
     for name, outlines, areas in zip(thick.names, thick.outlines, thick.areas.tolist(), strict=True):
         for layer, outline, area in zip(("upper", "lower"), outlines, areas, strict=False):
             seen = outline if layer == "upper" else outline[::-1] * [-1.0, 1.0]
-            pieces.append(Piece(f"{name} {layer}", layer, seen, area, None if factor is None else factor * area))
+            pieces.append(Blank(f"{name} {layer}", layer, seen, area, None if factor is None else factor * area))
     return pieces
 
 
-def cut_list(thick: Panels, pieces: Iterable[Piece], sheets: Iterable[str]) -> bytes:
+def cut_list(thick: Panels, pieces: Iterable[Blank], sheets: Iterable[str]) -> bytes:
     """The pieces as CSV: name, layer, thickness, area, mass, sheet and outline, ``x y`` of every corner."""
     unit = thick.design.unit
     text = io.StringIO()
@@ -118,7 +118,7 @@ def cut_list(thick: Panels, pieces: Iterable[Piece], sheets: Iterable[str]) -> b
     return text.getvalue().encode()
 
 
-def _sheet(placed: list[tuple[Piece, Placed]], size: tuple[float, float], design: Design) -> bytes:
+def _sheet(placed: list[tuple[Blank, Placed]], size: tuple[float, float], design: Design) -> bytes:
     ezdxf: Any = needed("ezdxf")
     document = ezdxf.new("R2010", units=_UNITS.get(design.unit, 0))
     for layer, colour in _COLOURS.items():

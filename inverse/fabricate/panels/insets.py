@@ -17,7 +17,7 @@ _SMALLEST = 1e-6  # of an outline's size: corners nearer to each other are one
 
 
 @dataclass(frozen=True, eq=False)
-class Cuts:
+class Insets:
     """Lines that bound a layer of a panel: it keeps the points with ``normals @ x >= offsets + height * slopes``.
 
     Attributes:
@@ -32,7 +32,7 @@ class Cuts:
     slopes: FloatArray
     hinges: NDArray[np.bool_]
 
-    def with_line(self, normal: FloatArray, offset: float, slope: float) -> Cuts:
+    def with_line(self, normal: FloatArray, offset: float, slope: float) -> Insets:
         """One more line, no hinge."""
         return replace(
             self, normals=np.vstack([self.normals, normal]), offsets=np.r_[self.offsets, offset],
@@ -67,13 +67,13 @@ class Cuts:
         return float(min(some.max(initial=0.0) for some in [heights, *on_hinges]))
 
 
-def joined(one: Cuts, other: Cuts) -> Cuts:
+def joined(one: Insets, other: Insets) -> Insets:
     """The lines of both, none of them a hinge: they bound what both layers have in common."""
     normals, offsets, slopes = (
         np.concatenate(pair)
         for pair in ((one.normals, other.normals), (one.offsets, other.offsets), (one.slopes, other.slopes))
     )
-    return Cuts(normals, offsets, slopes, np.zeros(len(slopes), bool))
+    return Insets(normals, offsets, slopes, np.zeros(len(slopes), bool))
 
 
 def clipped(corners: FloatArray, depth: FloatArray) -> FloatArray:

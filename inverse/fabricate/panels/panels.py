@@ -12,7 +12,7 @@ from inverse._types import FloatArray
 from inverse.errors import InputError
 from inverse.fabricate.panels.corners import with_corners_cut
 from inverse.fabricate.panels.frames import local_corners, poses
-from inverse.fabricate.panels.insets import Cuts, joined, padded
+from inverse.fabricate.panels.insets import Insets, joined, padded
 from inverse.fabricate.panels.thickness import Range, Thickness, motion_range
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
@@ -113,18 +113,18 @@ def panels(design: Design, thickness: Thickness) -> Panels:
     return Panels(design, thickness, reach, outlines, largest)
 
 
-def _largest_height(cuts: tuple[Cuts, Cuts]) -> float:
+def _largest_height(cuts: tuple[Insets, Insets]) -> float:
     """The height at which a panel loses a layer, a foldline, or all that its layers have in common."""
     return min(layer.largest_height() for layer in (*cuts, joined(*cuts)))
 
 
-def _outlines(corners: FloatArray, cuts: tuple[Cuts, Cuts], thickness: Thickness) -> tuple[FloatArray, ...]:
+def _outlines(corners: FloatArray, cuts: tuple[Insets, Insets], thickness: Thickness) -> tuple[FloatArray, ...]:
     """Outlines of a panel's layers."""
     layers = tuple(cut.outline(corners, thickness.height) for cut in cuts)
     return (*layers, joined(*cuts).outline(corners, thickness.height)) if thickness.hinge else layers
 
 
-def _edge_cuts(design: Design, thickness: Thickness, corners: list[FloatArray]) -> list[tuple[Cuts, Cuts]]:
+def _edge_cuts(design: Design, thickness: Thickness, corners: list[FloatArray]) -> list[tuple[Insets, Insets]]:
     """The lines along the edges of every facet, for its upper and its lower layer."""
     pattern = design.pattern
     if not geometry.are_convex(pattern, design.vertices_coords):
@@ -140,7 +140,7 @@ def _edge_cuts(design: Design, thickness: Thickness, corners: list[FloatArray]) 
         normals = np.stack([-along[:, 1], along[:, 0]], axis=1)
         offsets = (normals * own).sum(axis=1)
         upper, lower = (
-            Cuts(normals, offsets, np.where(side * angles[edges] > 0, slopes[edges], 0.0), side * angles[edges] < 0)
+            Insets(normals, offsets, np.where(side * angles[edges] > 0, slopes[edges], 0.0), side * angles[edges] < 0)
             for side in (1, -1)
         )
         cuts.append((upper, lower))
