@@ -66,6 +66,13 @@ def test_mountain_or_valley_says_nothing_where_the_sheet_is_flat(degrees, matter
     assert all(f"edge 1-4 is assigned {doc['edges_assignment'][k]}, but it is a {name}" in x for x in _faults(doc))
 
 
+def test_an_edge_that_is_said_to_be_no_fold_is_one_fault():
+    doc = document("miura")
+    del doc["file_frames"]
+    doc["edges_assignment"][edge_index(doc, 7, 8)] = "B"
+    assert _faults(doc) == ("edge 7-8 lies inside and is assigned B: M or V is needed",)
+
+
 # Flat states.
 
 

@@ -64,15 +64,17 @@ SECTORS = np.array([1.0, 1.3, np.pi - 1.0, np.pi - 1.3])
 ALTERNATING = np.array([1, -1, 1, -1])
 
 
+@pytest.mark.parametrize("start", range(4))
 @pytest.mark.parametrize("far", [1, 2, 3, 4])
 @pytest.mark.parametrize(("kind", "state"), [("CFL", "0.0"), ("FL", "180.0")])
-def test_a_gap_is_the_way_of_the_outermost_vertex_on_either_side(far, kind, state):
+def test_a_gap_is_the_way_of_the_outermost_vertex_on_either_side(kind, state, far, start):
     # In the flat state where all edges are folded everything lies in one plane, and the facets on the two sides of
     # the last edge are turned against each other, about the vertex, by what the alternating angles lack.
     lack = 1e-3
     reach = np.ones(4)
     reach[far - 1] = 3.0
     doc = spherical(SECTORS + lack * ALTERNATING / 4, [kind] * 4, reach)
+    doc["faces_vertices"] = [face[start:] + face[:start] for face in doc["faces_vertices"]]
     motion = _motion(doc)
     (edge,) = motion.mesh.off_tree
     value, where = motion.gap()
@@ -261,7 +263,7 @@ def test_the_motions_of_a_ring_of_parallel_hinges(section):
 
 
 @pytest.mark.parametrize("kind", ["FL", "CFL"])
-@pytest.mark.parametrize("fold", [5.0, 30.0, 90.0, 119.0])
+@pytest.mark.parametrize("fold", [0.026, 5.0, 30.0, 90.0, 119.0])
 def test_a_crossing_is_located_to_a_hundredth_of_a_degree_wherever_it_is(kind, fold):
     doc = hinged(np.radians([fold, fold]), [1.0] * 3)
     doc["bdffpq:edges_type"] = [kind if word == "FL" else word for word in doc["bdffpq:edges_type"]]
@@ -272,6 +274,17 @@ def test_a_crossing_is_located_to_a_hundredth_of_a_degree_wherever_it_is(kind, f
     assert touching - 0.0101 <= high <= touching
     assert crossing.t == pytest.approx(high if kind == "FL" else 180 - high, abs=1e-9)
     assert crossing.facets == ((0, 2),)
+
+
+def test_between_two_states_a_crossing_is_located_to_a_hundredth_of_a_degree():
+    motion = _motion(hinged(np.radians([60.0, 60]), [1.0] * 3))
+    touching = np.degrees(2 * np.arctan(np.tan(np.radians(60)) / np.tan(np.radians(30))))
+    for before, beyond in ((0.015, 0.002), (0.002, 0.015), (5.0, 3.0)):
+        end = collisions._located(motion, touching - before, touching + beyond, np.array([[7, 8]]))
+        assert touching - 0.01 <= end.t <= touching
+    # What crosses is told of the state beyond, also where no step was needed.
+    assert end.facets == ((0, 2),)
+    assert collisions._located(motion, 90.0, 90.009, np.array([[7, 8]])).facets == ((7, 8),)
 
 
 def test_both_ends_of_the_motion_are_looked_at():
