@@ -78,7 +78,9 @@ def test_corners_cross_where_they_share_a_ray():
             continue
         system = np.stack([a, b, -c, -d], axis=1)
         shared = linprog([-1, -1, 0, 0], A_eq=system, b_eq=np.zeros(3), A_ub=[[1, 1, 0, 0]], b_ub=[1]).fun < -0.5
-        found = crossing_facets(np.array([np.zeros(3), a, b, c, d]), [[0, 1, 2], [0, 3, 4]])
+        # Not at the origin, whose zeros hide much.
+        at = rng.integers(-9, 10, 3)
+        found = crossing_facets(np.array([np.zeros(3), a, b, c, d]) + at, [[0, 1, 2], [0, 3, 4]])
         assert (len(found) == 1) == shared, (a, b, c, d)
         seen[shared] += 1
     assert min(seen.values()) > 50

@@ -142,6 +142,28 @@ def test_facets_with_more_vertices_than_their_neighbour_are_measured_at_all_of_t
         assert motion.gap()[0] == pytest.approx(2 * np.sin(lack / 2) * reach, rel=1e-6)
 
 
+@pytest.mark.parametrize("make", [designs.miura, designs.eggbox])
+def test_gaps_are_those_of_all_vertices_of_facets_of_any_number_of_sides(make):
+    # Facet by facet: where one is, and where each neighbour and the edge between say that it should be.
+    design = designs.polygonal(make)
+    rng = np.random.default_rng(2)
+    points = design.vertices_coords + 1e-3 * rng.normal(size=design.vertices_coords.shape)
+    motion = _motion(fold_file.document(design.moved_to(points)))
+    theta = np.linspace(0, np.pi / 2, 65)
+    placed = motion.placements(theta)
+    gaps = np.zeros((65, len(motion.mesh.off_tree)))
+    for gap, edge in zip(gaps.T, motion.mesh.off_tree, strict=True):
+        for here, there in (motion.mesh.sides[edge], motion.mesh.sides[edge][::-1]):
+            hinge = motion.hinges(theta, np.array([edge]), np.array([here]))[:, :, 0]
+            expected = dual.multiply(placed[:, :, here], hinge)
+            for v in motion.mesh.facets[there]:
+                at = motion.points[v][:, None]
+                apart = np.linalg.norm(dual.move(placed[:, :, there], at) - dual.move(expected, at), axis=0)
+                np.maximum(gap, apart, out=gap)
+    np.testing.assert_allclose(motion._disagreement(theta, motion.mesh.off_tree), gaps, rtol=1e-9, atol=1e-15)
+    assert motion.gap()[0] == pytest.approx(gaps.max(), rel=1e-9)
+
+
 # Holes.
 
 
