@@ -113,12 +113,13 @@ SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
         ([[0, 1, 2], [1, 0, 3]], True),
         ([[0, 1, 2, 3], [1, 0, 4]], False),
         ([[0, 1, 2, 3], [3, 2, 1, 4]], True),
+        ([[0, 1, 2, 3], [1, 2, 3, 5]], True),
         ([[0, 1, 2], [2, 1, 0]], True),
         ([[0, 1, 4], [2, 3, 4]], False),
     ],
 )
 def test_facets_may_have_an_edge_or_a_vertex_in_common_and_no_more(faces, overlap):
-    points = np.array([*SQUARE, [0.5, 0.5, 1]], float)
+    points = np.array([*SQUARE, [0.5, 0.5, 1], [0.3, 0.3, 0]], float)
     assert crossing_facets(points, faces).tolist() == ([[0, 1]] if overlap else [])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from itertools import combinations
 
 import designs
@@ -241,6 +242,26 @@ def test_a_strip_leaves_every_facet_across_the_edge_that_is_told():
             assert len(set(facets.tolist())) == len(facets) == len(edges)
             for here, there, edge in zip(facets, np.roll(facets, -1), edges, strict=True):
                 assert set(mesh.sides[edge].tolist()) == {here, there}
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("which", ["sine", "cosine", "points"])
+def test_a_motion_that_is_no_number_passes_nothing(which, bad):
+    motion = _motion(document("6-gon tube"))
+    strips = loops.shortest_strips(motion.mesh)
+    spoilt = getattr(motion, which).copy()
+    spoilt[motion.mesh.inner[-1] if which != "points" else -1] = bad
+    with np.errstate(all="ignore"):
+        motion = dataclasses.replace(motion, **{which: spoilt})
+        assert motion.gap() == (None, "the motion is not defined")
+        everywhere = getattr(motion, which).copy()
+        everywhere[:] = bad
+        motion = dataclasses.replace(motion, **{which: everywhere})
+        assert loops.closure(motion, strips) == ((None, "the motion is not defined"), ())
+
+
+def test_a_single_fold_has_no_gap():
+    assert _motion(hinged([1.0], [1.0, 1.0])).gap() == (0.0, "no closed chain of facets")
 
 
 # Freedom.
