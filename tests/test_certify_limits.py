@@ -181,11 +181,12 @@ def test_the_fold_nearest_to_flat_decides_wherever_it_is(place, sign, closed, ma
 
 
 def _far(diagonals, **values):
-    """The structure of a sheet so many diagonals from the origin, along x, and checks with the given values."""
+    """The structure of a sheet that reaches so many diagonals from the origin along x, checks of the given values."""
     doc = document("miura")
     points = np.array(doc["vertices_coords"])
     size = np.linalg.norm(np.ptp(points, axis=0))
-    points[:, 0] += diagonals * size - points[:, 0].max()
+    nearest = points[:, 0].max() if diagonals > 0 else points[:, 0].min()
+    points[:, 0] += diagonals * size - nearest
     doc["vertices_coords"] = points.tolist()
     structure = examine(frame_of(doc))
     found = dict.fromkeys(LIMITS, (0.0, "there")) | {name: (value, "there") for name, value in values.items()}
@@ -195,7 +196,7 @@ def _far(diagonals, **values):
 def _share(structure):
     """Last digit of the largest coordinate in shortest edges."""
     a, b = structure.given[structure.mesh.edges].transpose(1, 0, 2)
-    return np.spacing(structure.given.max()) / np.linalg.norm(a - b, axis=1).min()
+    return np.spacing(np.abs(structure.given).max()) / np.linalg.norm(a - b, axis=1).min()
 
 
 ROUNDED = ["planarity", "developability", "flat_foldability", "motion_gap", "loop_closure"]
@@ -222,7 +223,7 @@ def test_rounding_is_no_excuse_for_other_checks_nor_told_of_what_passes(name, va
     assert coarse.explained(found, structure) == found
 
 
-@pytest.mark.parametrize(("diagonals", "told"), [(9.9, False), (10.1, True)])
+@pytest.mark.parametrize(("diagonals", "told"), [(9.9, False), (10.1, True), (-9.9, False), (-10.1, True)])
 def test_nearer_than_ten_diagonals_the_place_is_not_blamed(diagonals, told):
     structure, found = _far(diagonals, planarity=2e-9)
     # An edge so short that the last digit matters even here.
