@@ -260,6 +260,21 @@ def test_a_motion_that_is_no_number_passes_nothing(which, bad):
         assert loops.closure(motion, strips) == ((None, "the motion is not defined"), ())
 
 
+def test_one_state_in_which_a_strip_is_no_number_is_enough():
+    class Broken(Motion):
+        def hinges(self, theta, edges, facets):
+            found = super().hinges(theta, edges, facets)
+            found[:, -1] = np.nan
+            return found
+
+    motion = _motion(document("6-gon tube"))
+    broken = Broken(motion.mesh, motion.points, motion.types, motion.sine, motion.cosine)
+    (value, _), found = loops.closure(broken, loops.shortest_strips(motion.mesh))
+    assert value is None
+    assert found == ()
+    assert broken.gap()[0] is None
+
+
 def test_a_single_fold_has_no_gap():
     assert _motion(hinged([1.0], [1.0, 1.0])).gap() == (0.0, "no closed chain of facets")
 
@@ -362,8 +377,9 @@ def test_up_to_three_crossing_pairs_are_named():
     assert told(0, 2) == (2.0, "facets 0 and 1, 2 and 3")
     assert told(0, 2, 4) == (3.0, "facets 0 and 1, 2 and 3, 4 and 5")
     assert told(0, 2, 4, 6, 8) == (5.0, "facets 0 and 1, 2 and 3, 4 and 5 and 2 more pairs")
-    points = np.array(document("miura")["vertices_coords"])
-    assert collisions.design_crossings(points, tuple(map(tuple, document("miura")["faces_vertices"])))[0] == 0
+    sound = document("miura")
+    facets = tuple(map(tuple, sound["faces_vertices"]))
+    assert collisions.design_crossings(np.array(sound["vertices_coords"]), facets) == (0.0, "no facets cross")
 
 
 def test_ten_pairs_are_listed_where_a_range_ends():
