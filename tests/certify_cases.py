@@ -14,6 +14,8 @@ import numpy as np
 from inverse import certify, fold_file, seeds
 from inverse.certify.measures import fold_halves
 from inverse.certify.mesh import build_mesh
+from inverse.certify.motion import Motion
+from inverse.certify.structure import examine
 from inverse.fold_format import FoldFrame, read_frame
 from inverse.pattern import Design
 
@@ -54,6 +56,14 @@ def frame_of(doc: dict[str, Any]) -> FoldFrame:
         path = Path(folder) / "design.fold"
         path.write_text(json.dumps(doc))
         return read_frame(path)
+
+
+def motion_of(doc: dict[str, Any]) -> Motion:
+    """The motion of a document whose facets and types are in order."""
+    structure = examine(frame_of(doc))
+    assert structure.mesh is not None
+    assert structure.halves is not None
+    return Motion(structure.mesh, structure.points, structure.types, *structure.halves)
 
 
 def failures(certificate: certify.Certificate) -> set[str]:

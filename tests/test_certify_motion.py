@@ -1,39 +1,19 @@
-"""The motion is followed from end to end, at every edge and around every hole, and where it stops is told."""
+"""The motion is followed from end to end, at every edge, and where it stops is told."""
 
 from __future__ import annotations
 
 import dataclasses
-from itertools import combinations
 
 import designs
 import numpy as np
 import pytest
-from certify_cases import (
-    FOUR_GON,
-    SIX_GON,
-    document,
-    failures,
-    frame_of,
-    generic,
-    hinged,
-    raw,
-    relabelled,
-    spherical,
-    without_facets,
-)
+from certify_cases import document, frame_of, hinged, motion_of, raw, spherical
 
-from inverse import certify, fold_file, seeds
-from inverse.certify import collisions, loops, mobility
+from inverse import certify, fold_file
+from inverse.certify import collisions, loops
 from inverse.certify import dual_quaternions as dual
-from inverse.certify.mesh import build_mesh
 from inverse.certify.motion import Motion
 from inverse.certify.structure import examine
-
-
-def _motion(doc):
-    structure = examine(frame_of(doc))
-    return Motion(structure.mesh, structure.points, structure.types, *structure.halves)
-
 
 # Dual quaternions, against matrices.
 
@@ -76,7 +56,7 @@ def test_a_gap_is_the_way_of_the_outermost_vertex_on_either_side(kind, state, fa
     reach[far - 1] = 3.0
     doc = spherical(SECTORS + lack * ALTERNATING / 4, [kind] * 4, reach)
     doc["faces_vertices"] = [face[start:] + face[:start] for face in doc["faces_vertices"]]
-    motion = _motion(doc)
+    motion = motion_of(doc)
     (edge,) = motion.mesh.off_tree
     value, where = motion.gap()
     assert where == f"{motion.mesh.name(edge)} at t = {state} degrees"
@@ -89,7 +69,7 @@ def test_a_gap_is_the_way_of_the_outermost_vertex_on_either_side(kind, state, fa
 @pytest.mark.parametrize("share", [0.99, 1.01])
 def test_a_gap_of_a_billionth_of_the_diagonal_is_the_limit(share):
     doc = spherical(SECTORS + 1e-4 / 4, ["FL"] * 4)
-    gap = _motion(doc).gap()[0]
+    gap = motion_of(doc).gap()[0]
     doc = spherical(SECTORS + share * 1e-9 / gap * 1e-4 / 4, ["FL"] * 4)
     item = certify.check_frame(frame_of(doc)).checks["motion_gap"]
     assert item.value == pytest.approx(share * 1e-9, rel=1e-3)
@@ -116,7 +96,7 @@ def test_no_state_opens_more_than_was_found(seed):
     rng = np.random.default_rng(seed)
     doc = document("eggbox" if seed % 2 else "miura")
     doc["vertices_coords"] = (np.array(doc["vertices_coords"]) + 1e-3 * rng.normal(size=(30, 3))).tolist()
-    motion = _motion(doc)
+    motion = motion_of(doc)
     placed = motion.placements(np.linspace(0, np.pi / 2, 257))
     apart = np.zeros(1)
     for left, right in motion.mesh.sides[motion.mesh.inner]:
@@ -138,7 +118,7 @@ def test_facets_with_more_vertices_than_their_neighbour_are_measured_at_all_of_t
         faces = [[0, 1 + k, 1 + (k + 1) % 4] for k in range(4)]
         faces[facet] = [0, 1 + facet, 5, 6, 1 + (facet + 1) % 4]
         corners = np.vstack([points[:5], [3 * a + b, 1.5 * a + 2 * b]])
-        motion = _motion(raw(corners, faces, {(0, 1 + k): "FL" for k in range(4)}))
+        motion = motion_of(raw(corners, faces, {(0, 1 + k): "FL" for k in range(4)}))
         reach = np.linalg.norm(corners[5:], axis=1).max() / np.linalg.norm(np.ptp(corners, axis=0))
         assert motion.gap()[0] == pytest.approx(2 * np.sin(lack / 2) * reach, rel=1e-6)
 
@@ -149,7 +129,7 @@ def test_gaps_are_those_of_all_vertices_of_facets_of_any_number_of_sides(make):
     design = designs.polygonal(make)
     rng = np.random.default_rng(2)
     points = design.vertices_coords + 1e-3 * rng.normal(size=design.vertices_coords.shape)
-    motion = _motion(fold_file.document(design.moved_to(points)))
+    motion = motion_of(fold_file.document(design.moved_to(points)))
     theta = np.linspace(0, np.pi / 2, 65)
     placed = motion.placements(theta)
     gaps = np.zeros((65, len(motion.mesh.off_tree)))
@@ -165,89 +145,10 @@ def test_gaps_are_those_of_all_vertices_of_facets_of_any_number_of_sides(make):
     assert motion.gap()[0] == pytest.approx(gaps.max(), rel=1e-9)
 
 
-# Holes.
-
-
-def _sheet(holes, opening, amount=1e-3):
-    """A sheet with these holes, (column) facets of its second row; only the strip around ``opening`` opens.
-
-    Conditions of all vertices hold that are interior while the other holes are still filled in: strips around these
-    stay closed.
-    """
-    width = 3 * len(holes) + 1
-    facets = {hole: width * 1 + 2 + 3 * hole for hole in holes}
-    whole = seeds.grid((3, width), "FL", "FL")
-    open_design = generic(designs.without(whole, [facets[opening]]), amount, seed=3)
-    faces = [list(face) for face in open_design.pattern.faces_vertices]
-    gone = {frozenset(whole.pattern.faces_vertices[facets[hole]]) for hole in holes if hole != opening}
-    assert len(open_design.vertices_coords) == len(whole.vertices_coords)
-    doc = fold_file.document(
-        designs.without(open_design, [f for f, face in enumerate(faces) if frozenset(face) in gone])
-    )
-    for key in ("file_frames", "bdffpq:holes", "bdffpq:topology", "bdffpq:grid"):
-        doc.pop(key, None)
-    return doc
-
-
-@pytest.mark.parametrize(("count", "opening"), [(1, 0), (2, 0), (2, 1), (3, 0), (3, 1), (3, 2)])
-def test_the_one_hole_whose_strip_opens_is_found(count, opening):
-    doc = _sheet(range(count), opening)
-    certificate = certify.check_frame(frame_of(doc))
-    assert certificate.n_holes == count
-    gaps = np.array([loop.gap for loop in certificate.loops])
-    assert len(gaps) == count
-    (hole,) = np.flatnonzero(gaps > 1e-7)
-    assert np.delete(gaps, hole).max(initial=0.0) < 1e-12
-    check = certificate.checks["loop_closure"]
-    assert not check.passed
-    assert check.value == gaps[hole]
-    assert check.worst.startswith(f"hole {hole}, strip of {len(certificate.loops[hole].facets)} facets from facet ")
-    # The strip goes around the hole that was meant, which lies in the column of its number.
-    points = np.array(doc["vertices_coords"])
-    faces = doc["faces_vertices"]
-    centre = [np.mean([points[faces[f]].mean(axis=0) for f in loop.facets], axis=0) for loop in certificate.loops]
-    along = np.array(centre) @ (points[3 * count + 1] - points[0])
-    assert np.argsort(np.argsort(along))[hole] == opening
-    assert failures(certificate) >= {"loop_closure", "motion_gap"}
-
-
-@pytest.mark.parametrize(("section", "rows"), [(FOUR_GON, 1), (FOUR_GON, 3), (SIX_GON, 2)])
-def test_a_strip_around_a_tube_opens_as_its_facets_do(section, rows):
-    # Against the facets themselves, carried once around the tube: how far this moves the first one's vertices.
-    motion = _motion(fold_file.document(generic(seeds.tube(section, rows), 1e-2)))
-    strips = loops.shortest_strips(motion.mesh)
-    (value, where), (loop,) = loops.closure(motion, strips)
-    (facets, edges) = strips[0]
-    worst = 0.0
-    for theta in np.linspace(0, np.pi, 361):
-        carried = np.eye(8)[0][:, None]
-        for facet, edge in zip(facets, edges, strict=True):
-            carried = dual.multiply(
-                carried, motion.hinges(np.array([theta]), np.array([edge]), np.array([facet]))[:, :, 0]
-            )
-        moved = dual.move(np.broadcast_to(carried, (8, len(motion.points))), motion.points.T)
-        worst = max(worst, float(np.linalg.norm(moved - motion.points.T, axis=0).max()))
-    # A bound on the way of any vertex, and not a lavish one.
-    assert worst <= value * 1.01
-    assert value < 8 * worst
-    assert value == max(loop.gap_at_states, loop.gap_between)
-    state = float(where.split("t = ")[1].split(" ")[0])
-    assert -180 < state <= 180
-
-
-def test_a_strip_leaves_every_facet_across_the_edge_that_is_told():
-    for doc in (_sheet(range(2), 1), fold_file.document(seeds.tube(SIX_GON, 3))):
-        mesh, _ = build_mesh(doc["faces_vertices"], len(doc["vertices_coords"]))
-        for facets, edges in loops.shortest_strips(mesh):
-            assert len(set(facets.tolist())) == len(facets) == len(edges)
-            for here, there, edge in zip(facets, np.roll(facets, -1), edges, strict=True):
-                assert set(mesh.sides[edge].tolist()) == {here, there}
-
-
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 @pytest.mark.parametrize("which", ["sine", "cosine", "points"])
 def test_a_motion_that_is_no_number_passes_nothing(which, bad):
-    motion = _motion(document("6-gon tube"))
+    motion = motion_of(document("6-gon tube"))
     strips = loops.shortest_strips(motion.mesh)
     spoilt = getattr(motion, which).copy()
     spoilt[motion.mesh.inner[-1] if which != "points" else -1] = bad
@@ -267,7 +168,7 @@ def test_one_state_in_which_a_strip_is_no_number_is_enough():
             found[:, -1] = np.nan
             return found
 
-    motion = _motion(document("6-gon tube"))
+    motion = motion_of(document("6-gon tube"))
     broken = Broken(motion.mesh, motion.points, motion.types, motion.sine, motion.cosine)
     (value, _), found = loops.closure(broken, loops.shortest_strips(motion.mesh))
     assert value is None
@@ -276,45 +177,7 @@ def test_one_state_in_which_a_strip_is_no_number_is_enough():
 
 
 def test_a_single_fold_has_no_gap():
-    assert _motion(hinged([1.0], [1.0, 1.0])).gap() == (0.0, "no closed chain of facets")
-
-
-# Freedom.
-
-
-@pytest.mark.parametrize("count", [2, 3, 5])
-def test_hinges_in_a_row_move_one_by_one(count):
-    motion = _motion(hinged([0.5] * count, [1.0] * (count + 1)))
-    assert mobility.freedom(motion, ()) == count
-    (fault,) = mobility.faults(motion, ())
-    assert fault.startswith(f"there are {count} independent motions: the fold lines fall into {count} groups")
-    assert mobility.faults(_motion(hinged([0.5], [1.0, 1.0])), ()) == []
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_groups_are_the_fold_lines_that_interior_vertices_join(seed):
-    whole = fold_file.document(seeds.grid((4, 5)))
-    doc = relabelled(without_facets(whole, {6, 13}, []), np.random.default_rng(seed))
-    mesh, _ = build_mesh(doc["faces_vertices"], len(doc["vertices_coords"]))
-    ends = [set(mesh.edges[e].tolist()) & set(mesh.interior_vertices.tolist()) for e in mesh.inner]
-    group = list(range(len(ends)))
-    for _ in ends:
-        for a, b in combinations(range(len(ends)), 2):
-            if ends[a] & ends[b]:
-                group[a] = group[b] = min(group[a], group[b])
-    count, found = mobility.groups(mesh)
-    assert count == len(set(group)) == found.max() + 1
-    assert len(set(zip(group, found.tolist(), strict=True))) == count
-
-
-@pytest.mark.parametrize("section", [FOUR_GON, SIX_GON])
-def test_the_motions_of_a_ring_of_parallel_hinges(section):
-    # A planar linkage of k hinges keeps k - 3 motions; tubes of more rows have one.
-    motion = _motion(fold_file.document(seeds.tube(section, 1)))
-    assert mobility.freedom(motion, loops.shortest_strips(motion.mesh)) == len(section) - 3
-    assert mobility.groups(motion.mesh)[0] == len(section)
-    motion = _motion(fold_file.document(seeds.tube(section, 2)))
-    assert mobility.freedom(motion, loops.shortest_strips(motion.mesh)) == 1
+    assert motion_of(hinged([1.0], [1.0, 1.0])).gap() == (0.0, "no closed chain of facets")
 
 
 # How far the motion goes.
@@ -326,7 +189,7 @@ def test_a_crossing_is_located_to_a_hundredth_of_a_degree_wherever_it_is(kind, f
     doc = hinged(np.radians([fold, fold]), [1.0] * 3)
     doc["bdffpq:edges_type"] = [kind if word == "FL" else word for word in doc["bdffpq:edges_type"]]
     touching = np.degrees(2 * np.arctan(np.tan(np.radians(60)) / np.tan(np.radians(fold / 2))))
-    (low, high), (crossing,) = collisions.free_range(_motion(doc))
+    (low, high), (crossing,) = collisions.free_range(motion_of(doc))
     low, high = (low, high) if kind == "FL" else (180 - high, 180 - low)
     assert low == 0
     assert touching - 0.0101 <= high <= touching
@@ -335,7 +198,7 @@ def test_a_crossing_is_located_to_a_hundredth_of_a_degree_wherever_it_is(kind, f
 
 
 def test_between_two_states_a_crossing_is_located_to_a_hundredth_of_a_degree():
-    motion = _motion(hinged(np.radians([60.0, 60]), [1.0] * 3))
+    motion = motion_of(hinged(np.radians([60.0, 60]), [1.0] * 3))
     touching = np.degrees(2 * np.arctan(np.tan(np.radians(60)) / np.tan(np.radians(30))))
     for before, beyond in ((0.015, 0.002), (0.002, 0.015), (5.0, 3.0)):
         end = collisions._located(motion, touching - before, touching + beyond, np.array([[7, 8]]))
@@ -353,7 +216,7 @@ def test_both_ends_of_the_motion_are_looked_at():
         edge = next(i for i, pair in enumerate(doc["edges_vertices"]) if set(pair) == {k, k + 7})
         doc["bdffpq:edges_type"][edge] = word
     touching = np.degrees(2 * np.arctan(np.tan(np.radians(60)) / np.tan(np.radians(30))))
-    (low, high), crossings = collisions.free_range(_motion(doc))
+    (low, high), crossings = collisions.free_range(motion_of(doc))
     assert high <= touching
     assert low >= 180 - touching
     assert [end.t for end in crossings] == [low, high]
@@ -384,6 +247,6 @@ def test_up_to_three_crossing_pairs_are_named():
 
 def test_ten_pairs_are_listed_where_a_range_ends():
     pairs = np.arange(24).reshape(-1, 2)
-    crossing = collisions._located(_motion(document("miura")), 100.0, 100.005, pairs)
+    crossing = collisions._located(motion_of(document("miura")), 100.0, 100.005, pairs)
     assert crossing.t == 100.0
     assert crossing.facets == tuple(map(tuple, pairs[:10].tolist()))
