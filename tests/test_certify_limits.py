@@ -6,8 +6,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from certify_cases import document, edge_index, failures, frame_of, hinged, raw, spherical, verdict
+from certify_cases import document, edge_index, failures, four_facets, frame_of, hinged, raw, spherical, verdict
 
+from inverse import certify
 from inverse.certify import coarse
 from inverse.certify.certificate import LIMITS, Certificate, Crossing, Loop, judge, told_apart
 from inverse.certify.structure import examine
@@ -281,6 +282,9 @@ def _alone(name):
     """A document that fails in the check of this name only."""
     if name == "fold_angle":
         return hinged([np.radians(0.5)], [1.0, 1.0])
+    if name == "crossing_design":
+        points, faces = four_facets(crossed=True, sides=3)
+        return raw(points, faces, {(0, 1 + k): word for k, word in enumerate(["FL", "CFL"] * 2)})
     doc = hinged([1.0], [1.0, 1.0])
     if name == "planarity":
         doc["vertices_coords"][0][1] += 8e-9
@@ -290,10 +294,21 @@ def _alone(name):
     return doc
 
 
-@pytest.mark.parametrize("name", ["structure", "planarity", "fold_angle"])
+@pytest.mark.parametrize("name", ["structure", "planarity", "fold_angle", "crossing_design"])
 def test_one_failing_check_is_enough(name, tmp_path):
     certificate = verdict(_alone(name), tmp_path)
     assert failures(certificate) == {name}
     assert not certificate.certified
-    # The motion is told of all the same.
-    assert certificate.free_range == (0.0, 180.0)
+    # The motion is told of all the same, unless it starts from facets that cross.
+    assert certificate.free_range == (None if name == "crossing_design" else (0.0, 180.0))
+
+
+@pytest.mark.parametrize("name", PROMISED)
+def test_no_check_is_left_out_of_the_verdict(name, monkeypatch):
+    # Most designs that fail in one check fail in others too: here each is made to fail alone.
+    frame = frame_of(document("6-gon tube"))
+    assert certify.check_frame(frame).certified
+    monkeypatch.setitem(LIMITS, name, (np.inf if name == "fold_angle" else -1.0, "of anything"))
+    certificate = certify.check_frame(frame)
+    assert failures(certificate) == {name}
+    assert not certificate.certified
