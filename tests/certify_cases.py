@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ import numpy as np
 from inverse import certify
 from inverse.certify.measures import fold_halves
 from inverse.certify.mesh import build_mesh
+from inverse.certify.motion import Motion
+from inverse.certify.structure import examine
 from inverse.files import fold_file
 from inverse.files.fold_format import FoldFrame, read_frame
 from inverse.origami import seeds
@@ -55,6 +58,14 @@ def frame_of(doc: dict[str, Any]) -> FoldFrame:
         path = Path(folder) / "design.fold"
         path.write_text(json.dumps(doc))
         return read_frame(path)
+
+
+def motion_of(doc: dict[str, Any]) -> Motion:
+    """The motion of a document whose facets and types are in order."""
+    structure = examine(frame_of(doc))
+    assert structure.mesh is not None
+    assert structure.halves is not None
+    return Motion(structure.mesh, structure.points, structure.types, *structure.halves)
 
 
 def failures(certificate: certify.Certificate) -> set[str]:
@@ -161,13 +172,39 @@ def raw(points: np.ndarray, faces: list[list[int]], types: dict[tuple[int, ...],
 
 def strip(rho: float, count: int) -> dict[str, Any]:
     """Unit squares in a row, the folds between them all of ``rho`` radians, typed FL."""
-    headings = rho * np.arange(count)
-    steps = np.stack([np.cos(headings), np.sin(headings), 0 * headings], axis=1)
+    return hinged([rho] * (count - 1), [1.0] * count)
+
+
+def hinged(folds: Sequence[float] | np.ndarray, widths: Sequence[float]) -> dict[str, Any]:
+    """Rectangles in a row, 1 high and of these widths, with these folds in radians between them, typed FL."""
+    count = len(widths)
+    headings = np.concatenate([[0.0], np.cumsum(folds)])
+    steps = np.array(widths)[:, None] * np.stack([np.cos(headings), np.sin(headings), 0 * headings], axis=1)
     bottom = np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
     top = count + 1
     points = np.vstack([bottom, bottom + np.array([0, 0, 1])])
     faces = [[k, k + 1, top + k + 1, top + k] for k in range(count)]
     return raw(points, faces, {(k, top + k): "FL" for k in range(1, count)})
+
+
+def spherical(
+    sectors: Sequence[float] | np.ndarray, kinds: Sequence[str], reach: Sequence[float] = (1, 1, 1, 1)
+) -> dict[str, Any]:
+    """Four quads around vertex 0 with these sector angles, the k-th between edges k and k + 1 of these types.
+
+    The edges end at unit distance in vertices 1 to 4; ``reach`` scales the outermost vertices, 5 to 8.
+    """
+    a, b, c, d = sectors
+    diagonal = 1.4  # between the first and the third edge: two spherical triangles
+
+    def apex(near: float, far: float, side: int) -> list[float]:
+        cosine = (np.cos(far) - np.cos(near) * np.cos(diagonal)) / (np.sin(near) * np.sin(diagonal))
+        return [np.sin(near) * cosine, np.sin(near) * side * np.sqrt(1 - cosine**2), np.cos(near)]
+
+    ends = np.array([[0, 0, 1], apex(a, b, 1), [np.sin(diagonal), 0, np.cos(diagonal)], apex(d, c, -1)])
+    corners = np.array(reach)[:, None] * (ends + np.roll(ends, -1, axis=0))
+    faces = [[0, 1 + k, 5 + k, 1 + (k + 1) % 4] for k in range(4)]
+    return raw(np.vstack([np.zeros(3), ends, corners]), faces, {(0, 1 + k): kinds[k] for k in range(4)})
 
 
 def four_facets(crossed: bool, sides: int) -> tuple[np.ndarray, list[list[int]]]:

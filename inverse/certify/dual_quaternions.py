@@ -13,12 +13,6 @@ def multiply(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.concatenate([real, _hamilton(a[:4], b[4:]) + _hamilton(a[4:], b[:4])])
 
 
-def inverse(a: FloatArray) -> FloatArray:
-    """The motion that undoes ``a``, (8, ...)."""
-    sign = np.array([1.0, -1, -1, -1, 1, -1, -1, -1])
-    return np.asarray(sign.reshape((8,) + (1,) * (a.ndim - 1)) * a)
-
-
 def move(a: FloatArray, points: FloatArray) -> FloatArray:
     """Points (3, ...) moved by ``a`` (8, ...): p x p* + 2 d p* for the real part p and the dual part d."""
     w, u = a[0], a[1:4]

@@ -91,7 +91,6 @@ def shortest_strips(mesh: Mesh) -> tuple[Strip, ...]:
         facets = [int(right[best])]
         while facets[-1] != left[best]:
             facets.append(int(back[best, facets[-1]]))
-        facets.reverse()
         edges = [edge_between[pair] for pair in pairwise(facets)] + [stretch[best]]
         strips.append((np.array(facets), np.array(edges)))
     return tuple(strips)

@@ -13,8 +13,8 @@ from certify_cases import (
     failures,
     frame_of,
     generic,
-    raw,
     relabelled,
+    spherical,
     strip,
     verdict,
     without_facets,
@@ -178,31 +178,13 @@ def test_equations_6_and_7_are_told_apart(name, failing, keeping, tmp_path):
     # One vertex with four facets whose sector angles keep one of the two alternating sums only.
     a, b, c = 1.0, 1.3, 1.1
     d = a + c - b if name == "miura" else b + c - a
-    sectors = [a, b, c, d]
-    directions = _cone(sectors)
-    points = np.vstack([np.zeros(3), directions, directions + np.roll(directions, -1, axis=0)])
-    faces = [[0, 1 + k, 5 + k, 1 + (k + 1) % 4] for k in range(4)]
     types = ["FL"] * 4 if name == "miura" else ["FL", "CFL", "FL", "CFL"]
-    certificate = verdict(raw(points, faces, {(0, 1 + k): types[k] for k in range(4)}), tmp_path)
+    certificate = verdict(spherical([a, b, c, d], types), tmp_path)
     assert certificate.faults == ()
     assert certificate.checks[failing].value > 1e-3
     assert certificate.checks[keeping].value < 1e-14
     assert certificate.checks[failing].worst == "vertex 0"
     assert "motion_gap" in failures(certificate)
-
-
-def _cone(sectors):
-    """Four unit vectors with the given angles between neighbours, (4, 3): two spherical triangles."""
-    a, b, c, d = sectors
-    diagonal = 1.4
-    first, third = np.array([0.0, 0, 1]), np.array([np.sin(diagonal), 0, np.cos(diagonal)])
-
-    def apex(near, far, side):
-        cosine = (np.cos(far) - np.cos(near) * np.cos(diagonal)) / (np.sin(near) * np.sin(diagonal))
-        sine = side * np.sqrt(1 - cosine**2)
-        return np.array([np.sin(near) * cosine, np.sin(near) * sine, np.cos(near)])
-
-    return np.array([first, apex(a, b, 1), third, apex(d, c, -1)])
 
 
 @pytest.mark.parametrize(
