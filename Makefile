@@ -8,7 +8,7 @@ UV_VERSION := 0.13.9
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo setup test test-slow lint format bench bench-solving lock clean
+.PHONY: help demo setup test test-slow lint format docs bench bench-solving lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
@@ -32,6 +32,9 @@ lint: $(STAMP) ## ruff and mypy
 format: $(STAMP) ## let ruff rewrite what it can
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
+
+docs: $(STAMP) ## pages of docs/ and of the docstrings, build/docs/index.html; warnings are errors
+	$(BIN)/python -m sphinx -W --keep-going --quiet docs build/docs
 
 bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, films, thick panels (a quarter of an hour)
 	$(BIN)/python -m benchmarks.fit
