@@ -55,7 +55,7 @@ FAMILIES: dict[str, tuple[Any, Any, float]] = {
 
 def measure(specification: dict[str, Any]) -> dict[str, Any]:
     """Solve, write, read back, certify."""
-    result = inverse.solve(inverse.from_mapping(specification))
+    result = inverse.solve(inverse.load(specification))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "design.fold"
         inverse.write(result.design, path)

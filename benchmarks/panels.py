@@ -18,8 +18,8 @@ import numpy as np
 import inverse
 from inverse.fabricate.panels.contacts import Contact, first_contacts, penetrations
 from inverse.fabricate.panels.panels import Panels, panels
-from inverse.fabricate.panels.picture import panels_picture
 from inverse.fabricate.panels.thickness import Thickness
+from inverse.fabricate.picture import panels_picture
 from inverse.origami import seeds
 from inverse.origami.pattern import Design
 
@@ -69,7 +69,7 @@ def main() -> None:
     arguments = parser.parse_args()
     shown = {}
     if arguments.sizes is None or arguments.pictures:
-        vault = inverse.solve(inverse.load(VAULT, ("pattern.size=[16,16]",))).design
+        vault = inverse.solve(inverse.load(VAULT, ["pattern.size=[16,16]"])).design
         shown = {"vault": vault, "tube": seeds.tube(SECTION, 10)}
     print(HEADER)
     for name, design in shown.items():

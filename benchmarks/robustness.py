@@ -128,7 +128,7 @@ def measure(task: tuple[int, tuple[int, int], str]) -> dict[str, Any]:
         else:
             specification["target"] = {"height": expression, "domain": domain}
         try:
-            result = inverse.solve(inverse.from_mapping(specification, Path(folder)))
+            result = inverse.solve(inverse.load(specification, folder=folder))
         except inverse.InputError as error:  # a generated problem is no wrong input: the table shows it
             return row | {"error": str(error), "success": False, "seconds": time.perf_counter() - began}
         row["seconds"] = time.perf_counter() - began

@@ -86,7 +86,7 @@ def compared(row: dict[str, Any], result: Any, attempts: list[dict[str, Any]], n
 
     def task(size: int, height: str) -> Any:
         target = {"height": height, "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
-        return inverse.from_mapping({"name": "dome", "pattern": {"size": [size, size]}, "target": target})
+        return inverse.load({"name": "dome", "pattern": {"size": [size, size]}, "target": target})
 
     found: dict[str, Any] = {}
     solving = row["start_s"] + row["build_s"] + row["solve_s"]

@@ -47,10 +47,10 @@ def measure(name: str, target: dict[str, Any], lines: tuple[str, str], size: int
     """Solve one task."""
     pattern = {"size": [size, size], "u_lines": lines[0], "v_lines": lines[1]}
     began = time.perf_counter()
-    result = inverse.solve(inverse.from_mapping({"name": name, "pattern": pattern, "target": target}))
+    result = inverse.solve(inverse.load({"name": name, "pattern": pattern, "target": target}))
     seconds = time.perf_counter() - began
     design, fit = result.design, result.report["fit"]
-    heights = result.formulation.goal.target.triangles()[0][:, 2]
+    heights = result.target[0][:, 2]
     rim = np.unique(design.pattern.edges_faces[design.pattern.edges_type == B, 0])
     lowest = float(np.percentile(geometry.facet_centroids(design.pattern, design.vertices_coords)[rim, 2], 5))
     return {

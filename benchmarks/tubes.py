@@ -28,7 +28,7 @@ from inverse.model import DesignModel
 from inverse.nlp import redundancy
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
-from inverse.spec import from_mapping
+from inverse.spec import load
 
 LENGTH, RADIUS, BEND = 6.0, 1.0, 0.9
 DEVIATION = 0.01  # mean, of the ring radius
@@ -72,7 +72,7 @@ def specification(name: str, sides: int, rows: int, target: dict[str, Any], loop
 
 def measure(name: str, sides: int, rows: int, target: dict[str, Any], loop: str, folder: Path | None) -> dict[str, Any]:
     """Solve, write, read back, certify."""
-    loaded = from_mapping(specification(name, sides, rows, target, loop))
+    loaded = load(specification(name, sides, rows, target, loop))
     result = inverse.solve(loaded)
     with tempfile.TemporaryDirectory() as temporary:
         path = (folder or Path(temporary)) / f"{name} {loop}.fold".replace(" ", "_")
@@ -115,7 +115,7 @@ def show(exact: dict[str, Any], bars: dict[str, Any]) -> None:
 
 def freedom(sides: int, rows: int) -> tuple[int, int]:
     """Dimension of the solution space with bars and with exact, moves of the whole removed, at the seed."""
-    loaded = from_mapping(specification("freedom", sides, rows, TARGETS["taper"], "exact"))
+    loaded = load(specification("freedom", sides, rows, TARGETS["taper"], "exact"))
     model = DesignModel(formulate.build_seed(loaded, formulate.build_target(loaded)))
     vertices = [constraints.opposite_angles(model), *constraints.planarity(model)]
     found = []

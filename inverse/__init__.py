@@ -6,75 +6,65 @@ Names are loaded when they are first used, so that ``import inverse`` is fast.
 from __future__ import annotations
 
 import os
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
+
+# Modules of the same names: taken at once, so that importing them later does not put a module in a function's place.
+from inverse.repair import repair as repair
+from inverse.solve import check as check
+from inverse.solve import solve as solve
 
 if TYPE_CHECKING:
     from inverse.certify import Certificate as Certificate
-    from inverse.certify import check as check
     from inverse.dragging import refine as refine
     from inverse.errors import InputError as InputError
     from inverse.files.fold_file import read as read
     from inverse.files.fold_file import write as write
-    from inverse.objectives import register as register_objective
+    from inverse.objectives import register as register_objective  # noqa: F401
     from inverse.origami import seeds as seeds
+    from inverse.origami.folding import Motion as Motion
     from inverse.origami.folding import fold as fold
     from inverse.origami.pattern import Design as Design
     from inverse.origami.pattern import Pattern as Pattern
-    from inverse.repair import Repair as Repair
-    from inverse.repair import repair as repair
-    from inverse.solve import Result as Result
-    from inverse.solve import SolveError as SolveError
-    from inverse.solve import solve as solve
-    from inverse.spec import from_mapping as from_mapping
+    from inverse.repair.repairing import Repair as Repair
+    from inverse.results.result import Result as Result
+    from inverse.results.result import SolveError as SolveError
+    from inverse.solvers.run import Progress as Progress
     from inverse.spec import load as load
+    from inverse.surfaces import Target as Target
 
 # Read by BLAS when casadi loads it: at these matrix sizes two threads are several times slower than one.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 __version__ = "0.1.0"
 
+# Public name -> its module and its name there.
 _HOMES = {
-    "Certificate": "certify",
-    "Design": "origami.pattern",
-    "InputError": "errors",
-    "Pattern": "origami.pattern",
-    "Repair": "repair",
-    "Result": "solve",
-    "SolveError": "solve",
-    "check": "certify",
-    "fold": "origami.folding",
-    "from_mapping": "spec",
-    "load": "spec",
-    "read": "files.fold_file",
-    "refine": "dragging",
-    "repair": "repair",
-    "solve": "solve",
-    "write": "files.fold_file",
+    "Certificate": ("certify", "Certificate"),
+    "Design": ("origami.pattern", "Design"),
+    "InputError": ("errors", "InputError"),
+    "Motion": ("origami.folding", "Motion"),
+    "Pattern": ("origami.pattern", "Pattern"),
+    "Progress": ("solvers.run", "Progress"),
+    "Repair": ("repair.repairing", "Repair"),
+    "Result": ("results.result", "Result"),
+    "SolveError": ("results.result", "SolveError"),
+    "Target": ("surfaces", "Target"),
+    "fold": ("origami.folding", "fold"),
+    "load": ("spec", "load"),
+    "read": ("files.fold_file", "read"),
+    "refine": ("dragging", "refine"),
+    "register_objective": ("objectives", "register"),
+    "write": ("files.fold_file", "write"),
 }
 
-__all__ = [*sorted(_HOMES), "__version__", "register_objective", "seeds"]
-
-
-class _Package(ModuleType):
-    """Keeps ``inverse.solve`` and others functions, although ``inverse/solve.py`` bears the same name."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if _HOMES.get(name) == name and isinstance(value, ModuleType):
-            value = getattr(value, name)  # importing a submodule sets it as an attribute of its package
-        super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package
+__all__ = [*sorted(_HOMES), "__version__", "check", "repair", "seeds", "solve"]
 
 
 def __getattr__(name: str) -> Any:
     if name == "seeds":
         return import_module("inverse.origami.seeds")
-    if name == "register_objective":
-        return import_module("inverse.objectives").register
     if name in _HOMES:
-        return getattr(import_module(f"inverse.{_HOMES[name]}"), name)
+        module, own = _HOMES[name]
+        return getattr(import_module(f"inverse.{module}"), own)
     raise AttributeError(f"module 'inverse' has no attribute {name!r}")

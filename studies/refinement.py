@@ -19,7 +19,7 @@ def main() -> None:
         cells = []
         for u_lines, v_lines in FAMILIES.values():
             pattern = {"size": [n, n], "u_lines": u_lines, "v_lines": v_lines}
-            result = inverse.solve(inverse.from_mapping({"name": "study", "pattern": pattern, "target": DOME}))
+            result = inverse.solve(inverse.load({"name": "study", "pattern": pattern, "target": DOME}))
             sound = result.certified and result.converged
             cells.append(f"{100 * result.report['fit']['rms_relative']:>10.4f}" if sound else f"{'failed':>10}")
         print(f"{n:>4} x {n:<2} " + " ".join(cells), flush=True)

@@ -35,7 +35,7 @@ def main() -> None:
         mapping = loaded.specification.model_dump(mode="json", exclude_unset=True)
         profile = np.column_stack([POINTS, on_the_way.radii(POINTS)])
         mapping["target"] = {"axis": {"spline": on_the_way.axis.at(POINTS).tolist()}, "radius": profile.tolist()}
-        result = inverse.solve(inverse.from_mapping(mapping, path.parent), start=result)
+        result = inverse.solve(inverse.load(mapping, folder=path.parent), start=result)
         off = result.report["fit"]["mean_over_radius"]
         print(f"{share:>6.0%} of the target: {result.status}, rings off by {off:.3%} of their radius", flush=True)
         designs = designs or [result.seed]

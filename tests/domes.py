@@ -22,7 +22,7 @@ PATTERNS: dict[str, dict[str, Any]] = {
 
 def task(folder: Path = Path(), **keys: Any) -> inverse.spec.Loaded:
     keys = {"name": "dome", "pattern": PATTERNS["miura"], "target": DOME} | keys
-    return inverse.from_mapping(keys, folder)
+    return inverse.load(keys, folder=folder)
 
 
 @cache

@@ -14,6 +14,7 @@ from inverse.certify import check_frame
 from inverse.dragging import LIMITS
 from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
+from inverse.formulation.formulate import formulate
 from inverse.model import DesignModel
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
@@ -93,16 +94,9 @@ def test_a_step_that_is_too_long_is_none() -> None:
 
 def test_balanced_multipliers() -> None:
     """From nothing the multipliers of a solution are found; idle bounds stay idle; worse ones are not taken."""
-    result = inverse.solve(
-        inverse.from_mapping(
-            {
-                "name": "dome",
-                "pattern": {"size": [6, 6]},
-                "target": {"height": "0.3 - 0.2*(x^2 + y^2)", "domain": [[-1, 1], [-1, 1]]},
-            }
-        )
-    )
-    formulation = result.formulation
+    target = {"height": "0.3 - 0.2*(x^2 + y^2)", "domain": [[-1, 1], [-1, 1]]}
+    loaded = inverse.load({"name": "dome", "pattern": {"size": [6, 6]}, "target": target})
+    result, formulation = inverse.solve(loaded), formulate(loaded)
     problem = Problem(formulation.goal.model.n_variables, formulation.objectives, formulation.fixed)
     x = formulation.goal.model.to_dimensionless(result.design.vertices_coords).ravel()
     found = balanced(Point(problem, x, problem.parameters())).balance

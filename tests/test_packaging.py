@@ -21,4 +21,4 @@ def test_wheel_holds_the_package_and_nothing_else(tmp_path: Path):
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.split("/")[0].split("-")[0] for name in names} == {"inverse"}
     assert "inverse/py.typed" in names
-    assert "inverse/fabricate/motion_page.html" in names
+    assert "inverse/fabricate/film/page.html" in names

@@ -13,7 +13,7 @@ import inverse
 from inverse.nlp.point import Point
 from inverse.origami.geometry import diagonal
 from inverse.solvers.ipopt import Ipopt
-from inverse.spec import from_mapping
+from inverse.spec import load
 
 STRAIGHT = {"polyline": [[0, 0, 0], [0, 0, 6]]}
 TAPER = {"axis": STRAIGHT, "radius": [[0, 1.0], [1, 0.6]]}
@@ -23,7 +23,7 @@ WAIST = {"axis": STRAIGHT, "radius": [[0, 1.0], [0.25, 0.85], [0.5, 0.7], [0.75,
 
 def solve(sides: int, rows: int, target: dict[str, Any], **keys: Any) -> inverse.Result:
     task = {"name": "tube", "pattern": {"kind": "tube", "size": [sides, rows]}, "target": target}
-    return inverse.solve(from_mapping(task | keys))
+    return inverse.solve(load(task | keys))
 
 
 def assert_solved(result: inverse.Result, deviation: float = 0.01) -> None:
@@ -84,7 +84,7 @@ def test_a_dome_with_a_hole(holes: tuple[tuple[int, int], ...], tmp_path: Path) 
         "pattern": {"kind": "file", "file": str(tmp_path / "holed.fold")},
         "target": {"height": "0.45 - 0.3*(x^2+y^2)", "domain": [[-1, 1], [-1, 1]]},
     }
-    result = inverse.solve(from_mapping(task))
+    result = inverse.solve(load(task))
     assert result.ending == "solved", result.status
     assert result.design.pattern.n_holes == 1
     assert result.certificate.loops[0].gap < 1e-12

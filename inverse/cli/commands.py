@@ -18,8 +18,8 @@ from inverse.errors import InputError
 from inverse.files.atomic import json_text
 
 if TYPE_CHECKING:
-    from inverse.repair import Repair
-    from inverse.solve import Result
+    from inverse.repair.repairing import Repair
+    from inverse.results.result import Result
     from inverse.solvers.run import Progress
 
 CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
@@ -41,6 +41,7 @@ def solve(
     *,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     overrides: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
+    start: Path | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
     """Design a mesh for a target surface and certify it.
@@ -49,42 +50,42 @@ def solve(
         specification: YAML file; `inverse schema` describes it.
         out: folder for the results, out/<name> by default.
         overrides: changes a value of the specification, as key.path=value; may be repeated.
+        start: output folder or FOLD file of a design of the same pattern, to go on from instead of the seed.
         as_json: print the result as JSON.
     """
     stop = threading.Event()
     with interrupts.held(stop):
         from inverse import solve as run
         from inverse import spec
-        from inverse.results import report
+        from inverse.results import saving
         from inverse.results.folder import Results
 
         loaded = spec.load(specification, overrides)
-        folder = report.output_folder(loaded.specification.name, out)
-        context = report.read_context(loaded)
+        folder = saving.output_folder(loaded.specification.name, out)
     if stop.is_set():
         return interrupts.told()
     with ExitStack() as folders:
         results = folders.enter_context(Results(folder))
         with _Watch() as watch:
-            result = run(loaded, watch)
-        if report.keeps_earlier(result, folder):
+            result = run(loaded, start=start, watch=watch)
+        if saving.keeps_earlier(result, folder):
             earlier, folder = folder, folder.absolute().with_name(f"{folder.absolute().name}.interrupted")
             print(f"{earlier} keeps its certified design; that of this run goes to {folder}", file=sys.stderr)
             results = folders.enter_context(Results(folder))
-        written = report.write(result, loaded, context, results)
+        written = saving.write(result, results)
     for note in written.notes:
         print(note, file=sys.stderr)
     if as_json:
         print(json_text(_summary(result, folder)))
     else:
         print(result.status if result.certified and result.converged else f"NOT DONE: {result.status}", file=sys.stderr)
-        fit = result.report["fit"]
-        print(f"fit       rms {fit['rms_relative']:.4%}, max {fit['max_relative']:.4%} of the diagonal "
-              f"(placed seed: rms {fit['start_rms_relative']:.2%})")  # fmt: skip
-        print(f"coverage  {result.report['coverage']:.1%} of the target")
-        spent = sum(result.report["seconds"][part] for part in ("start", "build", "solve"))
-        print(f"solving   {spent:.1f} s, {result.report['iterations']} iterations")
-        for path in report.files(folder):
+        fit = result.fit
+        print(f"fit       rms {fit.rms_relative:.4%}, max {fit.max_relative:.4%} of the diagonal "
+              f"(placed seed: rms {fit.start_rms_relative:.2%})")  # fmt: skip
+        print(f"coverage  {result.coverage:.1%} of the target")
+        spent = sum(result.seconds[part] for part in ("start", "build", "solve"))
+        print(f"solving   {spent:.1f} s, {result.iterations} iterations")
+        for path in saving.files(folder):
             print(f"wrote     {path}")
     if result.interrupted or written.interrupted:
         return INTERRUPTED
@@ -141,13 +142,13 @@ def repair(
         as_json: print the result as JSON.
     """
     from inverse import repair as run
-    from inverse.results import report
+    from inverse.results import saving
     from inverse.results.folder import Results
 
-    folder = report.output_folder(pattern.stem, out)
+    folder = saving.output_folder(pattern.stem, out)
     with Results(folder) as results:
         result = run(pattern, u_lines=u_lines, v_lines=v_lines, far=far)
-        written = report.write_repair(result, results)
+        written = saving.write(result, results)
     for note in written.notes:
         print(note, file=sys.stderr)
     if as_json:
@@ -157,7 +158,7 @@ def repair(
         print(result.status if done else f"NOT REPAIRED: {result.status}", file=sys.stderr)
         for line in _repair_lines(result):
             print(line)
-        for path in report.files(folder):
+        for path in saving.files(folder):
             print(f"wrote     {path}")
     if written.interrupted:
         return INTERRUPTED
@@ -175,13 +176,6 @@ def schema() -> int:
 
     print(json_text(Specification.model_json_schema()))
     return 0
-
-
-def main() -> None:
-    """What scripts call that were installed by earlier versions."""
-    from inverse.__main__ import main as program
-
-    program()
 
 
 def run(arguments: list[str]) -> int:

@@ -106,7 +106,7 @@ class Policy:
     control: Control
     attempts: list[Attempt] = field(default_factory=list)
     seconds: dict[str, float] = field(
-        default_factory=lambda: dict.fromkeys(("start", "build", "solve", "polish", "certify"), 0.0)
+        default_factory=lambda: dict.fromkeys(("formulate", "start", "build", "solve", "polish", "certify"), 0.0)
     )
     not_a_number: tuple[str, str] | None = None
     reached: float | None = None

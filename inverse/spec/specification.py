@@ -53,7 +53,6 @@ __all__ = [
     "Specification",
     "TubeKeys",
     "TubePattern",
-    "from_mapping",
     "load",
 ]
 
@@ -259,30 +258,28 @@ class Loaded:
     folder: Path
 
 
-def load(path: Path | str, overrides: Sequence[str] = ()) -> Loaded:
+def load(
+    spec: Path | str | Mapping[str, Any] | Loaded, overrides: Sequence[str] = (), folder: Path | str | None = None
+) -> Loaded:
     """Read and validate a specification.
 
     Args:
-        path: a YAML file.
+        spec: a YAML file, or a mapping with the same keys; what was loaded before comes back as it is.
         overrides: ``key.path=value`` texts that replace or add values.
+        folder: where the files that it names are looked up: beside the file, or for a mapping in the working folder,
+            if None.
 
     Raises:
-        InputError: for the first fault in the file, or else in the overrides, with its place.
+        InputError: for the first fault in the file or mapping, or else in the overrides, with its place.
     """
-    path = Path(path)
-    data, source = yaml_source.read(path, overrides)
-    return Loaded(validate(Specification, data, source), source, path.parent)
-
-
-def from_mapping(mapping: Mapping[str, Any], folder: Path = Path()) -> Loaded:
-    """Validate a specification that a script made.
-
-    Args:
-        mapping: the same keys as in a file.
-        folder: where the files that it names are looked up.
-
-    Raises:
-        InputError: for the first fault, with its key path.
-    """
-    data, source = yaml_source.from_mapping(mapping, "specification")
-    return Loaded(validate(Specification, data, source), source, folder)
+    if isinstance(spec, Loaded):
+        return spec
+    if isinstance(spec, Mapping):
+        data, source = yaml_source.from_mapping(spec, "specification")
+        beside = Path()
+    else:
+        data, source = yaml_source.read(Path(spec))
+        beside = Path(spec).parent
+    for override in overrides:
+        source.override(data, override)
+    return Loaded(validate(Specification, data, source), source, beside if folder is None else Path(folder))

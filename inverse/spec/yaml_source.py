@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -66,7 +66,7 @@ class Source:
         excerpt = _excerpt(lines[line] if line < len(lines) else "", column)
         return InputError(f"{message}\n{excerpt}", where=f"{self.name}:{line + 1}:{column + 1}", hint=hint)
 
-    def _override(self, data: dict[str, Any], text: str) -> None:
+    def override(self, data: dict[str, Any], text: str) -> None:
         """Apply ``key.path=value`` to the data."""
 
         def fail(_: Position, message: str, hint: str | None = None) -> InputError:
@@ -93,16 +93,15 @@ class Source:
         self._places = kept | {path: Place(override=text)}
 
 
-def read(path: Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], Source]:
+def read(path: Path) -> tuple[dict[str, Any], Source]:
     """The mapping in a YAML 1.2 file, as plain data, and where everything in it stands.
 
     Args:
         path: the file, UTF-8.
-        overrides: ``key.path=value`` texts, the value in YAML, list entries by their index from 0.
 
     Raises:
         InputError: the file is missing or unreadable, no valid YAML, or no mapping; a key is given twice;
-            there are aliases or tags; an override does not fit.
+            there are aliases or tags.
     """
     text = read_text(path, MAX_BYTES)
     source = Source(str(path), text)
@@ -112,8 +111,6 @@ def read(path: Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], Sou
     if not isinstance(data, dict):
         hint = "Write one `key: value` per line."
         raise source.error((), "the file must hold a mapping of keys to values at its top level", hint)
-    for override in overrides:
-        source._override(data, override)
     return data, source
 
 

@@ -179,17 +179,8 @@ def test_a_spoiled_file_is_not_certified(tmp_path: Path, capsys: pytest.CaptureF
     assert "NOT certified" in printed
 
 
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
-        (("", "objectives: {fairness: 1e308}\n"), "fairness at all elements, for its weight is too large"),
-        (("sqrt(4 - x^2 - y^2)", "sqrt(1 - x^2)"), "fit at vertex 0"),  # where it has no slope
-    ],
-)
-def test_a_term_without_a_number_is_told_and_written(
-    change: tuple[str, str], named: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    text = DOME.replace(*change) if change[0] else DOME + change[1]
+def test_a_term_without_a_number_is_told_and_written(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    text = DOME.replace("sqrt(4 - x^2 - y^2)", "sqrt(1 - x^2)")  # which has no slope at vertex 0
     (tmp_path / "dome.yaml").write_text(text + "fit: {points: vertices}\n")
     code = commands.run(["solve", str(tmp_path / "dome.yaml"), "-o", str(tmp_path / "out"), "--json"])
     printed, said = capfd.readouterr()
@@ -199,7 +190,7 @@ def test_a_term_without_a_number_is_told_and_written(
         raise AssertionError(f"{word} is no JSON")
 
     summary = json.loads(printed, parse_constant=refuse)
-    assert named in summary["status"]
+    assert "fit at vertex 0" in summary["status"]
     assert said.splitlines() == ["no pictures here"]
     report = json.loads((tmp_path / "out" / "report.json").read_text(), parse_constant=refuse)
     assert report["ending"] == "not_a_number"

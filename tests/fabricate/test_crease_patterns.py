@@ -32,7 +32,7 @@ from inverse.fabricate.cut.svg import svg
 from inverse.files import fold_file
 from inverse.origami import geometry, seeds
 from inverse.origami.pattern import FL, Design, FloatArray, Pattern
-from inverse.spec import from_mapping
+from inverse.spec import load
 
 SCALE = 0.037
 POINT = 25.4 / 72
@@ -42,7 +42,7 @@ def solved_tube() -> Design:
     """A tube without symmetry."""
     target = {"axis": {"arc": [[0, 0, 0], [0.4, 0, 1.5], [1.5, 0, 2.6]]}, "radius": [[0, 1.0], [1, 0.7]]}
     task = {"name": "bent", "pattern": {"kind": "tube", "size": [6, 6]}, "target": target}
-    result = inverse.solve(from_mapping(task))
+    result = inverse.solve(load(task))
     assert result.certified
     return result.design
 

@@ -22,8 +22,8 @@ from inverse.errors import InputError
 from inverse.fabricate import extras, meshes
 from inverse.fabricate.panels.cutting import dxf
 from inverse.fabricate.panels.panels import panels
-from inverse.fabricate.panels.picture import panels_scene
 from inverse.fabricate.panels.thickness import Thickness
+from inverse.fabricate.picture import panels_scene
 from inverse.fabricate.rhino import threedm
 from inverse.origami import folding, geometry
 from inverse.origami.pattern import Design

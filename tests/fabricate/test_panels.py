@@ -119,7 +119,7 @@ def test_corners_are_cut_back_for_every_delta(make: Callable[[], Design], delta:
 
 
 def vault() -> Design:
-    return inverse.solve(inverse.load(VAULT, ("pattern.size=[16,16]",))).design
+    return inverse.solve(inverse.load(VAULT, ["pattern.size=[16,16]"])).design
 
 
 @pytest.mark.parametrize("make", [

@@ -28,5 +28,5 @@ SIDES = [[[0, 0, 0], [0, 4, 0]], [[4, 0, 0], [4, 4, 0]]]
 def test_targets_beyond_all_measure(target: dict[str, Any], match: str) -> None:
     pattern = {"kind": "tube", "size": [6, 4]} if "axis" in target else {"size": [4, 4]}
     with pytest.raises(InputError, match=match) as caught:
-        build_target(inverse.from_mapping({"name": "d", "pattern": pattern, "target": target}))
+        build_target(inverse.load({"name": "d", "pattern": pattern, "target": target}))
     assert str(caught.value.where).split(".")[0] == "specification:target"

@@ -21,7 +21,7 @@ DOME = {"height": "sqrt(1 - x^2 - y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
 
 def task(size: tuple[int, int], **keys: Any) -> inverse.spec.Loaded:
     pattern = {"size": list(size), **keys.pop("pattern", {})}
-    return inverse.from_mapping({"name": "dome", "pattern": pattern, "target": DOME} | keys)
+    return inverse.load({"name": "dome", "pattern": pattern, "target": DOME} | keys)
 
 
 def seed(m: int, n: int) -> inverse.Design:
@@ -121,7 +121,7 @@ def test_a_stop_on_the_fine_grid_gives_a_design(at: int, monkeypatch: pytest.Mon
             signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(sys.modules["inverse.policy.coarse"], "FINE", 200)
-    result = inverse.solve(task((16, 16)), watch)
+    result = inverse.solve(task((16, 16)), watch=watch)
     assert result.interrupted
     assert result.certified
     assert not result.converged

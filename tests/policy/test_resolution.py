@@ -22,7 +22,7 @@ SIZES = (8, 16, 24)
 
 def task(n: int, **keys: Any) -> inverse.spec.Loaded:
     target = {"height": "0.05", "domain": [[-0.6, 0.6], [-0.6, 0.6]]}
-    return inverse.from_mapping({"name": "flat", "pattern": {"size": [n, n]}, "target": target} | keys)
+    return inverse.load({"name": "flat", "pattern": {"size": [n, n]}, "target": target} | keys)
 
 
 def terms(n: int, move: Any) -> dict[str, float]:

@@ -20,7 +20,7 @@ DOME = {"height": "0.45 - 0.3*(x^2 + y^2)", "domain": [[-0.6, 0.6], [-0.6, 0.6]]
 
 
 def task(**keys: object) -> inverse.spec.Loaded:
-    return inverse.from_mapping({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME} | keys)
+    return inverse.load({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME} | keys)
 
 
 STEPS = ["ipopt, linearized constraints", "ipopt, static pivots, without idle bounds", "ipopt, pivoting"]

@@ -20,13 +20,14 @@ from inverse.constraints import edge_length
 from inverse.dragging import LIMITS
 from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
+from inverse.formulation.formulate import formulate
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Objective
 from inverse.origami.pattern import FloatArray
-from inverse.policy import statuses, verdict
+from inverse.policy import endings, verdict
 from inverse.solvers.ipopt import Ipopt
 from inverse.solvers.run import Ending, Run
 from inverse.surfaces.parametric import BetweenTarget, HeightTarget
@@ -60,10 +61,10 @@ class Failing:
 
 
 def test_every_ending_says_what_happened_and_what_to_do() -> None:
-    assert statuses.sentence(statuses.SOLVED, []) == "certified and converged"
-    for word, ending in statuses.ENDINGS.items():
-        if word != statuses.SOLVED:
-            text = statuses.sentence(word, ["one thing", "another"])
+    assert endings.sentence(endings.SOLVED, []) == "certified and converged"
+    for word, ending in endings.ENDINGS.items():
+        if word != endings.SOLVED:
+            text = endings.sentence(word, ["one thing", "another"])
             assert "one thing; another. " in text
             assert text.endswith(".")
             assert "{" not in text
@@ -75,7 +76,7 @@ def test_every_ending_can_be_reached() -> None:
     from pathlib import Path
 
     text = "".join(path.read_text() for path in Path(__file__).parents[1].rglob("test_*.py"))
-    lacking = [word for word in statuses.ENDINGS if not re.search(rf'ending.* == \(?"{word}"', text)]
+    lacking = [word for word in endings.ENDINGS if not re.search(rf'ending.* == \(?"{word}"', text)]
     assert not lacking
 
 
@@ -289,8 +290,8 @@ def test_a_seed_that_is_the_answer_is_found_at_once(name: str) -> None:
 
 
 def test_gradients_are_measured_by_the_seeds_where_it_is_far_from_its_target() -> None:
-    result = dome()
-    goal, formulation = result.formulation.goal, result.formulation
+    formulation = formulate(task())
+    goal = formulation.goal
     problem = Problem(goal.n_variables, formulation.objectives, formulation.fixed)
     at_seed = np.abs(Point(problem, goal.seed_variables, problem.parameters()).gradient).max()
     assert verdict.gradient_scale(problem, goal) == at_seed

@@ -21,9 +21,10 @@ from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.origami import folding, geometry, seeds
 from inverse.origami.pattern import CFL, FL, Design
-from inverse.repair import FAR, Repair, line_types, repair
+from inverse.repair import line_types, repair
 from inverse.repair.assignments import foldings
 from inverse.repair.measures import residuals
+from inverse.repair.repairing import OFF, Repair
 from inverse.repair.snap import faults_of
 
 NOISE = 1e-4
@@ -391,7 +392,7 @@ def test_what_is_just_near_enough() -> None:
     sizes = np.array(
         [residuals(design.moved_to(design.vertices_coords + h * direction)).angles.max() for h in (0.01, 0.02)]
     )
-    step = 0.01 * FAR / sizes[0]
+    step = 0.01 * OFF / sizes[0]
     near = design.moved_to(design.vertices_coords + 0.9 * step * direction)
     assert_repaired(repair(near))
     with pytest.raises(InputError, match=r"0\.1 rad is allowed"):

@@ -22,11 +22,11 @@ from inverse.cli import commands
 from inverse.cli.output import write_all
 from inverse.files import atomic
 from inverse.pictures import design_state, rendering
-from inverse.results import report
+from inverse.policy.attempts import Attempt
+from inverse.results import saving
 from inverse.results.folder import NAMES, WRITTEN, Results, settle
-from inverse.spec import Loaded
 
-Run = tuple[inverse.Result, Loaded]
+Run = inverse.Result
 
 SPECIFICATION = """\
 name: {name}
@@ -47,8 +47,7 @@ def specifications(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture(scope="module")
 def runs(specifications: dict[str, Path]) -> dict[str, Run]:
     """Their results, of which every file is different."""
-    tasks = {name: inverse.load(path) for name, path in specifications.items()}
-    return {name: (inverse.solve(loaded), loaded) for name, loaded in tasks.items()}
+    return {name: inverse.solve(path) for name, path in specifications.items()}
 
 
 @pytest.fixture(autouse=True)
@@ -63,9 +62,9 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(pictures, name, draw)
 
 
-def put(run: Run, folder: Path) -> report.Written:
+def put(run: Run, folder: Path) -> saving.Written:
     with Results(folder) as into:
-        return report.write(*run, None, into)
+        return saving.write(run, into)
 
 
 def owners(folder: Path, runs: dict[str, Run]) -> dict[str, str]:
@@ -75,7 +74,7 @@ def owners(folder: Path, runs: dict[str, Run]) -> dict[str, str]:
         if (folder / name).exists():
             text = (folder / name).read_text()
             if name == "certificate.json":
-                found[name] = next(k for k, (r, _) in runs.items() if r.certificate.document() == json.loads(text))
+                found[name] = next(k for k, r in runs.items() if r.certificate.document() == json.loads(text))
             else:
                 key = {"design.fold": "file_title", "report.json": "name"}.get(name)
                 found[name] = json.loads(text)[key] if key else text
@@ -92,7 +91,7 @@ def test_a_run_replaces_the_one_before_and_nothing_else(runs: dict[str, Run], tm
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "mine.txt").write_text("mine")
     (tmp_path / "model.3dm").write_text("mine")
-    assert put(runs["two"], tmp_path) == report.Written([])
+    assert put(runs["two"], tmp_path) == saving.Written([])
     assert set(owners(tmp_path, runs).values()) == {"two"}
     assert (tmp_path / "notes" / "mine.txt").read_text() == "mine"
     assert sorted(path.name for path in tmp_path.iterdir()) == [
@@ -137,7 +136,7 @@ def test_whoever_dies_at_any_moment_leaves_files_of_one_run(runs: dict[str, Run]
             into = Results(folder)
             try:
                 into.__enter__()
-                report.write(*runs["two"], None, into)
+                saving.write(runs["two"], into)
             except Killed:
                 pass
             is_dead = died()
@@ -162,7 +161,7 @@ def test_commands_that_read_finish_what_a_killed_run_left(
 ) -> None:
     put(runs["one"], tmp_path)
     (tmp_path / ".inverse-replacing").mkdir()
-    inverse.write(runs["two"][0].design, tmp_path / ".inverse-replacing" / "design.fold")
+    inverse.write(runs["two"].design, tmp_path / ".inverse-replacing" / "design.fold")
     assert commands.run(["check", str(tmp_path / "design.fold")]) == 0
     assert owners(tmp_path, runs) == {"design.fold": "two"}
     assert hidden(tmp_path) == []
@@ -216,7 +215,7 @@ def test_pictures_that_are_interrupted(
     monkeypatch.setattr(pictures, "design_picture", lambda *_, **__: signal.raise_signal(number))
     put(runs["one"], tmp_path)
     written = put(runs["two"], tmp_path)
-    assert written == report.Written(["Interrupted: the results have no pictures."], interrupted=True)
+    assert written == saving.Written(["Interrupted: the results have no pictures."], interrupted=True)
     assert owners(tmp_path, runs) == dict.fromkeys(WRITTEN, "two")
     assert hidden(tmp_path) == []
     assert signal.getsignal(number) is before
@@ -250,14 +249,13 @@ def test_an_output_folder_that_is_cleared_while_a_run_lasts(runs: dict[str, Run]
         for path in (tmp_path / "out").iterdir():
             path.rmdir()
         (tmp_path / "out").rmdir()
-        assert report.write(*runs["one"], None, into).notes == []
+        assert saving.write(runs["one"], into).notes == []
     assert set(owners(tmp_path / "out", runs).values()) == {"one"}
 
 
 def interrupted(run: Run, *, certified: bool, iterations: int) -> Run:
-    result, loaded = run
-    told = result.report | {"iterations": iterations}
-    return replace(result, interrupted=True, converged=False, certified=certified, report=told), loaded
+    attempts = (Attempt("start", "ipopt", "User_Requested_Stop", iterations),)
+    return replace(run, interrupted=True, converged=False, certified=certified, attempts=attempts)
 
 
 @pytest.mark.parametrize(
@@ -269,8 +267,8 @@ def test_an_interrupted_run_does_not_replace_a_certified_design_by_less(
 ) -> None:  # fmt: skip
     out, other = tmp_path / "out", tmp_path / "out.interrupted"
     put(runs["one"], out)
-    result, _ = interrupted(runs["two"], certified=certified, iterations=iterations)
-    monkeypatch.setattr(inverse, "solve", lambda *_: result)
+    result = interrupted(runs["two"], certified=certified, iterations=iterations)
+    monkeypatch.setattr(inverse, "solve", lambda *_, **__: result)
     assert commands.run(["solve", str(specifications["two"]), "-o", str(out)]) == 3
     assert set(owners(out, runs).values()) == {"one" if keeps else "two"}
     assert other.exists() == keeps
@@ -283,21 +281,20 @@ WRITER = """\
 import sys, time
 from pathlib import Path
 import inverse
-from inverse import files, pictures, report
-from inverse.results import Results
+from inverse import pictures
+from inverse.files import atomic
+from inverse.results import saving
+from inverse.results.folder import Results
 def draw(design, path, **_):
     time.sleep(0.002)
     atomic.write_atomically(path, design.name)
 pictures.can_render = lambda: None
 pictures.crease_pattern_picture = pictures.design_picture = pictures.states_picture = draw
-runs = []
-for specification in sys.argv[2:]:
-    loaded = inverse.load(specification)
-    runs.append((inverse.solve(loaded), loaded))
+runs = [inverse.solve(specification) for specification in sys.argv[2:]]
 while True:
-    for result, loaded in runs:
+    for result in runs:
         with Results(Path(sys.argv[1])) as into:
-            report.write(result, loaded, None, into)
+            saving.write(result, into)
         print("written", flush=True)
 """
 

@@ -130,7 +130,7 @@ def test_slopes_along_the_manifold() -> None:
 
 @cache
 def grid() -> tuple[Problem, Goal]:
-    formulation = formulate(inverse.from_mapping({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME}))
+    formulation = formulate(inverse.load({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME}))
     goal = formulation.goal
     return Problem(goal.n_variables, formulation.objectives, formulation.fixed), goal
 
@@ -157,7 +157,7 @@ def test_a_design(keys: dict[str, object]) -> None:
     seen: list[Progress] = []
     pattern = {"size": [6, 6], "u_lines": "CFL"}
     task = {"name": "dome", "pattern": pattern, "target": DOME, "solver": {"method": "nlopt"}} | keys
-    result = inverse.solve(inverse.from_mapping(task), lambda _, progress: seen.append(progress))
+    result = inverse.solve(inverse.load(task), watch=lambda _, progress: seen.append(progress))
     assert result.status == "certified and converged"
     assert result.report["fit"]["rms"] < 0.01 * result.report["fit"]["start_rms"]
     assert {a["method"].split(",")[0] for a in result.report["attempts"]} == {"nlopt"}
@@ -210,6 +210,6 @@ def test_the_limit(limit: int) -> None:
 
 def test_iterations_run_out() -> None:
     task = {"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME}
-    result = inverse.solve(inverse.from_mapping(task | {"solver": {"method": "nlopt", "max_iterations": 4}}))
+    result = inverse.solve(inverse.load(task | {"solver": {"method": "nlopt", "max_iterations": 4}}))
     assert not result.converged
     assert result.ending == "iteration_limit"

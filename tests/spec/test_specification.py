@@ -18,7 +18,6 @@ from inverse.spec import (
     HeightKeys,
     MeshKeys,
     Specification,
-    from_mapping,
     load,
 )
 
@@ -49,7 +48,7 @@ MINIMAL: dict[str, Any] = {"name": "a", "pattern": {"size": [3, 4]}, "target": {
 
 
 def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
-    assert from_mapping(MINIMAL).specification.model_dump(mode="json") == {
+    assert load(MINIMAL).specification.model_dump(mode="json") == {
         "name": "a",
         "units": "m",
         "pattern": {
@@ -83,7 +82,7 @@ def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
     }
     for name in MINIMAL:
         with pytest.raises(InputError, match=f'the key "{name}" is missing from the top level'):
-            from_mapping({key: value for key, value in MINIMAL.items() if key != name})
+            load({key: value for key, value in MINIMAL.items() if key != name})
 
 
 def test_overrides_that_fit(tmp_path: Path) -> None:
@@ -98,10 +97,10 @@ def test_overrides_that_fit(tmp_path: Path) -> None:
 
 def test_scripts_are_told_the_key_path() -> None:
     with pytest.raises(InputError) as caught:
-        from_mapping({**MINIMAL, "pattern": {"size": (3, 4), "sector_angle": 95}})
+        load({**MINIMAL, "pattern": {"size": (3, 4), "sector_angle": 95}})
     assert caught.value.where == "specification:pattern.sector_angle"
     with pytest.raises(InputError, match="it must be at most 512"):
-        from_mapping({**MINIMAL, "pattern": {"size": (10**30, 4)}})
+        load({**MINIMAL, "pattern": {"size": (10**30, 4)}})
 
 
 PLANE = {"point": [0, 0, 1], "normal": [0, 1e-3, 0]}
@@ -157,10 +156,10 @@ FULL: list[dict[str, Any]] = [
 
 @pytest.mark.parametrize("mapping", FULL, ids=lambda mapping: mapping["name"])
 def test_dumps_can_be_read_back(mapping: dict[str, Any], tmp_path: Path) -> None:
-    specification = from_mapping(mapping).specification
+    specification = load(mapping).specification
     for options in ({}, {"exclude_none": True}, {"exclude_defaults": True}):
         dumped = json.dumps(specification.model_dump(mode="json", **options))
-        assert from_mapping(json.loads(dumped)).specification == specification
+        assert load(json.loads(dumped)).specification == specification
         path = tmp_path / "dump.yaml"  # JSON is YAML
         path.write_text(dumped)
         assert load(path).specification == specification
@@ -170,14 +169,14 @@ def test_dumps_can_be_read_back(mapping: dict[str, Any], tmp_path: Path) -> None
 
 
 def test_members_of_unions() -> None:
-    _, second, third, *_ = (from_mapping(mapping).specification for mapping in FULL)
+    _, second, third, *_ = (load(mapping).specification for mapping in FULL)
     assert isinstance(second.target, BetweenKeys)
     assert isinstance(third.pattern, FilePattern)
     assert third.pattern.keep_position is True
 
 
 def test_a_specification_does_not_change() -> None:
-    specification = from_mapping(MINIMAL).specification
+    specification = load(MINIMAL).specification
     with pytest.raises(ValidationError, match="frozen"):
         specification.name = "b"
     with pytest.raises(ValidationError, match="frozen"):
@@ -244,7 +243,7 @@ def test_any_change_of_a_specification_is_read_or_refused(
     else:
         holder[path[-1]] = value
     try:
-        loaded = from_mapping(data)
+        loaded = load(data)
     except InputError as error:
         where = error.where or ""
     else:

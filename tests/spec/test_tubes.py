@@ -16,7 +16,7 @@ from inverse.formulation.formulate import formulate
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import seeds
-from inverse.spec import from_mapping, load
+from inverse.spec import load
 
 TEXT = """\
 name: tube
@@ -98,7 +98,7 @@ def test_refusals(tmp_path: Path, old: str, new: str, message: str) -> None:
 def test_sections_by_their_names(name: str | None) -> None:
     steps = seeds.NAMED_SECTIONS[name or "6-gon"]
     pattern = {"kind": "tube", "size": [len(steps), 2]} | ({"section": name} if name else {})
-    found = from_mapping({"name": "tube", "pattern": pattern, "target": {"axis": LINE, "radius": 1}})
+    found = load({"name": "tube", "pattern": pattern, "target": {"axis": LINE, "radius": 1}})
     assert found.specification.pattern.steps == steps  # type: ignore[union-attr]
 
 
@@ -122,7 +122,7 @@ def level(z: float) -> dict[str, Any]:
 
 
 def held(mapping: dict[str, Any]) -> list[int]:
-    found = formulate(from_mapping(mapping))
+    found = formulate(load(mapping))
     anchored = [c.elements.variables[:, 0] // 3 for c in found.fixed if c.name.startswith("anchor")]
     return np.concatenate([*anchored, *(s.vertices for s in found.sliding)]).tolist()
 
@@ -152,7 +152,7 @@ def test_ends_that_are_held() -> None:
         {"side": "v0", "to": {"polygon": SQUARE}},
         {"side": "v1", "to": {"plane": {"point": [0, 0, 4], "normal": [0, 0.1, 1]}}},
     ]
-    result = inverse.solve(from_mapping(task(to, (4, 6), radius=[[0, 0.8], [1, 0.6]])))
+    result = inverse.solve(load(task(to, (4, 6), radius=[[0, 0.8], [1, 0.6]])))
     assert result.certified, result.status
     assert result.converged, result.status
     table = result.design.vertices_coords.reshape(4, 7, 3)
@@ -164,16 +164,17 @@ def test_ends_that_are_held() -> None:
 def test_anchors_take_no_more_freedoms_than_a_tube_has() -> None:
     """Four facets around and 3 rows leave 9 + 14."""
     with pytest.raises(InputError, match="takes 24 freedoms, but of the pattern's 23 only 23 are left"):
-        formulate(from_mapping(task([{"vertices": list(range(12)), "to": {"polygon": SQUARE}}], (4, 3))))
+        formulate(load(task([{"vertices": list(range(12)), "to": {"polygon": SQUARE}}], (4, 3))))
 
 
 @pytest.mark.parametrize(("k", "rows"), [(4, 3), (4, 5), (6, 3)])
 def test_degrees_of_freedom_of_generic_tubes(k: int, rows: int) -> None:
     """Columns minus rank of all equations at a tube that is not symmetric: 3R + 7k/2."""
     axis = {"spline": [[0, 0, 0], [0.3, 0.2, 2], [0.2, 0.9, 4]]}
-    result = inverse.solve(from_mapping(task([], (k, rows), axis=axis, radius=[[0, 1], [0.4, 0.8], [1, 0.75]])))
+    loaded = load(task([], (k, rows), axis=axis, radius=[[0, 1], [0.4, 0.8], [1, 0.75]]))
+    result = inverse.solve(loaded)
     assert result.certified, result.status
-    made = result.formulation
+    made = formulate(loaded)
     problem = Problem(made.goal.n_variables, made.objectives, [c for c in made.fixed if c.is_equation])
     x = made.goal.start(result.design.vertices_coords)
     jacobian = Point(problem, x, problem.parameters()).jacobian

@@ -11,7 +11,7 @@ from designs import assert_close, rotation
 
 from inverse.errors import InputError
 from inverse.formulation.formulate import build_target, formulate
-from inverse.spec import from_mapping
+from inverse.spec import load
 from inverse.surfaces import around
 from inverse.surfaces.axis import Axis, arc
 from inverse.surfaces.expression import SPACE, parse
@@ -95,10 +95,10 @@ def test_specifications_name_surfaces(tmp_path: Path) -> None:
     axis = {"polyline": [[0, 0, 0], [0, 0, 4]]}
     for keys in ({"mesh": "tube.obj"}, {"implicit": "sqrt(x^2 + y^2) - 1 + z/20"}):
         mapping = {"name": "t", "pattern": {"kind": "tube", "size": [4, 3]}, "target": {"axis": axis} | keys}
-        loaded = from_mapping(mapping, tmp_path)
+        loaded = load(mapping, folder=tmp_path)
         target = build_target(loaded)
         assert isinstance(target, TubeTarget)
         assert_close(target.radii(np.array([0.0, 0.5, 1.0])), [1.0, 0.9, 0.8], 2e-3)
         assert isinstance(formulate(loaded).goal.fitting, TubeFitting)
     with pytest.raises(InputError, match="there is no such file"):
-        build_target(from_mapping(mapping | {"target": {"axis": axis, "mesh": "missing.obj"}}, tmp_path))
+        build_target(load(mapping | {"target": {"axis": axis, "mesh": "missing.obj"}}, folder=tmp_path))

@@ -155,7 +155,7 @@ def least_width(points: FloatArray) -> float:
 
 
 def task(**keys: Any) -> inverse.spec.Loaded:
-    return inverse.from_mapping({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME} | keys)
+    return inverse.load({"name": "dome", "pattern": {"size": [6, 6]}, "target": DOME} | keys)
 
 
 def test_a_bound_is_met_as_measured_by_folding() -> None:
@@ -224,7 +224,7 @@ def test_what_was_found_before_an_interruption_is_kept() -> None:
         if progress.iteration == 9:
             signal.raise_signal(signal.SIGINT)
 
-    result = inverse.solve(task(objectives={"footprint": 1e-3}), watch)
+    result = inverse.solve(task(objectives={"footprint": 1e-3}), watch=watch)
     assert result.interrupted
     assert result.certified
     assert result.report["verdict"]["violations"]["flat-folded box"]["value"] < 1e-7

@@ -12,7 +12,7 @@ import inverse
 from inverse.model import DesignModel
 from inverse.origami import folding
 from inverse.origami.pattern import Design
-from inverse.spec import from_mapping
+from inverse.spec import load
 from inverse.terms import separation
 
 
@@ -66,7 +66,7 @@ def s_curve(**limits: Any) -> inverse.Result:
         "target": {"axis": {"spline": points}, "radius": 1.0},
         "constraints": limits,
     }
-    return inverse.solve(from_mapping({"name": "s"} | task))
+    return inverse.solve(load({"name": "s"} | task))
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from inverse.nlp.kernels import Elements
 from inverse.origami import geometry, seeds
 from inverse.origami.pattern import Design
 from inverse.policy import measures
-from inverse.spec import from_mapping
+from inverse.spec import load
 from inverse.surfaces.axis import Axis
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms import tube_fit
@@ -34,7 +34,7 @@ def task(axis: dict[str, Any] = LINE, radius: Any = 1, size: tuple[int, int] = (
 
 
 def formulated(*arguments: Any, **keys: Any) -> Formulation:
-    return formulate(from_mapping(task(*arguments, **keys)))
+    return formulate(load(task(*arguments, **keys)))
 
 
 def residuals(elements: Elements, points: np.ndarray, model: DesignModel, parameters: np.ndarray) -> np.ndarray:
@@ -177,7 +177,7 @@ def test_rings_are_drawn_to_their_places_along_the_axis() -> None:
 
 
 def test_a_share_of_the_target_is_straighter_with_the_same_seed() -> None:
-    whole, part = (formulate(from_mapping(task(BEND, [[0, 1.0], [1, 0.6]])), share) for share in (1.0, 0.25))
+    whole, part = (formulate(load(task(BEND, [[0, 1.0], [1, 0.6]])), share) for share in (1.0, 0.25))
     assert_close(part.goal.model.seed.vertices_coords, whole.goal.model.seed.vertices_coords, 0)
     seed = whole.goal.model.seed
     assert measures.fit(part.goal, seed).rms < 0.5 * measures.fit(whole.goal, seed).rms
@@ -221,7 +221,7 @@ def test_a_tube_from_a_file_runs_from_its_first_end_to_its_last(tmp_path: Path) 
     design = design.moved_to(design.vertices_coords @ rotation(5))
     inverse.write(design, tmp_path / "tube.fold")
     mapping = task(LINE, 0.8) | {"pattern": {"kind": "file", "file": "tube.fold"}}
-    goal = formulate(from_mapping(mapping, tmp_path)).goal
+    goal = formulate(load(mapping, folder=tmp_path)).goal
     ends = goal.model.seed.vertices_coords[tube_fit.ring_vertices(goal.model.pattern)[[0, -1]]].mean(axis=1)
     assert_close(geometry.unit(ends[1] - ends[0]), [0, 0.6, 0.8], 1e-9)
 
@@ -230,7 +230,7 @@ def test_a_file_without_rings_is_refused(tmp_path: Path) -> None:
     inverse.write(holed(), tmp_path / "holed.fold")
     mapping = task() | {"pattern": {"kind": "file", "file": "holed.fold"}}
     with pytest.raises(inverse.InputError, match="needs a tube of two or more rows, numbered as a grid"):
-        formulate(from_mapping(mapping, tmp_path))
+        formulate(load(mapping, folder=tmp_path))
 
 
 def test_fairness_of_four_around_names_no_vertex_twice() -> None:
@@ -254,7 +254,7 @@ def test_the_middle_row_is_closed(loop: str) -> None:
 
 
 def test_a_tube_solves_to_a_taper() -> None:
-    result = inverse.solve(from_mapping(task(LINE, [[0, 1.0], [1, 0.7]], (4, 4))))
+    result = inverse.solve(load(task(LINE, [[0, 1.0], [1, 0.7]], (4, 4))))
     assert result.certified, result.status
     assert result.report["fit"]["mean_over_radius"] < 1e-3
 

@@ -12,7 +12,7 @@ import numpy as np
 from inverse.errors import InputError
 from inverse.fabricate.film.stage import Stage
 from inverse.fabricate.panels.panels import Panels
-from inverse.fabricate.panels.picture import bodies, placed
+from inverse.fabricate.picture import bodies, placed
 from inverse.origami import geometry
 from inverse.pictures import colours, drawing
 from inverse.pictures.rendering import can_render, render_frames

@@ -72,7 +72,7 @@ def read_buildings(path: Path, unit: str) -> Surface:
     from inverse.context import read_city_json, triangulated
 
     if path.suffix.lower() in _SPECIFICATIONS:
-        from inverse.results.report import read_context
+        from inverse.formulation.context import read_context
         from inverse.spec import load
 
         context = read_context(load(path))

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from inverse.policy.steps import SHORTEST_SHARE, Outcome, Policy, reasons
+from inverse.solvers.run import Ending
+
 SOLVED = "solved"
 
 
 @dataclass(frozen=True)
-class Ending:
-    """One way to end.
+class Words:
+    """What is said of one way to end.
 
     Attributes:
         cause: what happened; ``{details}`` is replaced by what was measured.
@@ -20,46 +23,46 @@ class Ending:
     advice: str
 
 
-ENDINGS: dict[str, Ending] = {
-    SOLVED: Ending("certified and converged", ""),
-    "interrupted": Ending(
+ENDINGS: dict[str, Words] = {
+    SOLVED: Words("certified and converged", ""),
+    "interrupted": Words(
         "interrupted, the best design so far was kept: {details}",
         "Let it run on, or start again from this result.",
     ),
-    "time_limit": Ending(
+    "time_limit": Words(
         "the time limit was reached, the best design so far was kept: {details}",
         "Raise solver.time_limit_s, or start again from this result.",
     ),
-    "watch_failed": Ending(
+    "watch_failed": Words(
         "the function that watches the iterations failed, the best design so far was kept: {details}",
         "Mend that function; what it raised is the cause of the error that throw=True raises.",
     ),
-    "failed": Ending(
+    "failed": Words(
         "a step of the solve failed, the best design so far was kept: {details}",
         "This is a fault of the program or of a term of your own, not of the task: report it with report.json, which "
         "has the traceback.",
     ),
-    "not_a_number": Ending(
+    "not_a_number": Words(
         "a term of the model is not a number: {details}",
         "This is a fault of the term, not of the solver: mend the objective or the target named here.",
     ),
-    "infeasible": Ending(
+    "infeasible": Words(
         "no attempt met all constraints: {details}",
         "Loosen the anchors, keep-outs or bounds that are named, or anchor fewer vertices.",
     ),
-    "not_certified": Ending(
+    "not_certified": Words(
         "the solver converged, but the independent certificate refuses the design: {details}",
         "Turn the pattern (pattern.turn), take more facets, or narrow constraints.fold_angle.",
     ),
-    "too_far": Ending(
+    "too_far": Words(
         "the design is certified near the origin, but not where it stands, too far for numbers in a file: {details}",
         "Subtract a point near by from all coordinates of the task.",
     ),
-    "iteration_limit": Ending(
+    "iteration_limit": Words(
         "the iterations ran out, the best design was kept: {details}",
         "Raise solver.max_iterations, or start again from this result.",
     ),
-    "stalled": Ending(
+    "stalled": Words(
         "every solver stopped short of the optimum, the best design was kept: {details}",
         "Loosen the bounds or anchors, turn the pattern (pattern.turn), or take more facets.",
     ),
@@ -77,3 +80,39 @@ def sentence(word: str, details: list[str]) -> str:
     if word == SOLVED:
         return ending.cause
     return f"{ending.cause.format(details='; '.join(details))}. {ending.advice}"
+
+
+def ending_of(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
+    """The word for how a solve ended, and what was measured.
+
+    Args:
+        policy: what was tried.
+        outcome: the best of it.
+
+    Returns:
+        A key of ``ENDINGS``, and sentences without full stops.
+    """
+    control, details = policy.control, reasons(outcome)
+    if outcome.is_solved:
+        return SOLVED, details
+    if policy.not_a_number is not None:
+        name, element = policy.not_a_number
+        return "not_a_number", [f"{name} at {element}"]
+    if policy.failure is not None:
+        return "failed", details
+    if control.failure is not None:
+        return "watch_failed", [f"{type(control.failure).__name__}: {control.failure}", *details]
+    if control.stop.is_set():
+        return "interrupted", details
+    if control.timed_out:
+        return "time_limit", details
+    if policy.reached is not None and policy.reached < 1 and not outcome.converged:
+        came = f"came to {policy.reached:.3g}" if policy.reached > 0 else f"did not even come to {SHORTEST_SHARE:.3g}"
+        details = [*details, f"a path from the seed {came} of the target's height"]
+    if not outcome.is_feasible:
+        return "infeasible", details
+    if outcome.converged:
+        return "not_certified", details
+    # The last run of each step counts: fast steps end at a limit of their own before exact ones follow.
+    ran_out = any(a.ended == Ending.LIMIT for a in policy.attempts if a.outcome is not None)
+    return "iteration_limit" if ran_out else "stalled", details

@@ -13,17 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from inverse import interrupts, pictures
-from inverse.certify import Certificate
-from inverse.context import Context, read_city_json, triangulated
 from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.files.atomic import json_text, write_atomically
 from inverse.origami.pattern import CFL, Design
 from inverse.pictures.design_state import Surface
-from inverse.repair import Repair
+from inverse.repair.repairing import Repair
 from inverse.results.folder import NAMES, Results, unwritable
-from inverse.solve import Result
-from inverse.spec import Loaded
+from inverse.results.result import Result
 
 PACKAGES = ("inverse", "casadi", "numpy", "scipy", "pyvista", "trimesh", "libigl")
 
@@ -50,21 +47,6 @@ def output_folder(name: str, given: Path | None) -> Path:
     return folder
 
 
-def read_context(loaded: Loaded) -> Context | None:
-    """The building context that a specification names, if any.
-
-    Raises:
-        InputError: the file cannot be used, with the place in the specification.
-    """
-    keys = loaded.specification.context
-    if keys is None:
-        return None
-    try:
-        return read_city_json(loaded.folder / keys.file, keys.origin)
-    except InputError as error:
-        raise loaded.source.error(("context", "file"), str(error).split("\n")[0], error.hint) from None
-
-
 def keeps_earlier(result: Result, folder: Path) -> bool:
     """Whether an interrupted run has nothing that may replace what an earlier one left in a folder.
 
@@ -74,7 +56,7 @@ def keeps_earlier(result: Result, folder: Path) -> bool:
         earlier = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))["certified"] is True
     except (OSError, ValueError, TypeError, KeyError):
         return False
-    found = result.certified and result.report["iterations"] > 0
+    found = result.certified and result.iterations > 0
     return result.interrupted and earlier and not found and (folder / "design.fold").exists()
 
 
@@ -91,62 +73,31 @@ class Written:
     interrupted: bool = False
 
 
-def write(result: Result, loaded: Loaded, context: Context | None, results: Results) -> Written:
-    """Write everything that a solve promises.
+def save(result: Result | Repair, folder: Path, *, pictures: bool = True) -> list[str]:
+    """Write everything into a folder of its own; see :meth:`inverse.results.result.Result.save`."""
+    with Results(folder) as results:
+        return write(result, results, pictures=pictures).notes
+
+
+def write(result: Result | Repair, results: Results, *, pictures: bool = True) -> Written:
+    """Write everything that a solve or a repair promises.
 
     Args:
-        result: of :func:`inverse.solve`.
-        loaded: the specification it was solved for.
-        context: buildings for the picture.
+        result: what was found.
         results: where.
+        pictures: whether to draw.
 
     Raises:
         InputError: nothing could be written; what was there is still there.
     """
-    report = {"name": loaded.specification.name, "status": result.status, **result.report}
-    return _write(
-        results,
-        result.design,
-        result.certificate,
-        report,
-        {"specification": loaded.specification.model_dump(mode="json")},
-        target=result.formulation.goal.target.triangles(),
-        context=triangulated(context)[:2] if context else None,
-    )
-
-
-def write_repair(result: Repair, results: Results) -> Written:
-    """Write everything that a repair promises.
-
-    Args:
-        result: of :func:`inverse.repair`.
-        results: where.
-
-    Raises:
-        InputError: nothing could be written; what was there is still there.
-    """
-    report = {"name": result.design.name, "status": result.status, **result.report}
-    return _write(results, result.design, result.certificate, report, {}, target=None, context=None)
-
-
-def _write(
-    results: Results,
-    design: Design,
-    certificate: Certificate,
-    report: dict[str, Any],
-    task: dict[str, Any],
-    *,
-    target: Surface | None,
-    context: Surface | None,
-) -> Written:
     versions = {name: version(name) for name in PACKAGES} | {"python": platform.python_version()}
-    report = report | {"versions": versions} | task | {"notes": []}
+    report = {"name": result.design.name, "status": result.status, **result.report, "versions": versions, "notes": []}
     stop = threading.Event()
     try:
         with interrupts.held(stop):
             new = results.filling()
-            fold_file.write(design, new / "design.fold")
-            _write_json(new / "certificate.json", certificate.document())
+            fold_file.write(result.design, new / "design.fold")
+            _write_json(new / "certificate.json", result.certificate.document())
             _write_json(new / "report.json", report)
             results.replace()
     except OSError as error:
@@ -154,21 +105,22 @@ def _write(
     interrupted = Written(["Interrupted: the results have no pictures."], interrupted=True)
     if stop.is_set():
         return interrupted
+    if not pictures:
+        return Written([])
     try:
         with interrupts.raised():
-            return Written(_add_pictures(results, design, report, target, context))
+            return Written(_add_pictures(result, results, report))
     except KeyboardInterrupt:
         return interrupted
 
 
-def _add_pictures(
-    results: Results, design: Design, report: dict[str, Any], target: Surface | None, context: Surface | None
-) -> list[str]:
+def _add_pictures(result: Result | Repair, results: Results, report: dict[str, Any]) -> list[str]:
     """Draw, and tell in the report how that went; what is there already does not depend on it."""
     began = time.perf_counter()
     try:
         new = results.filling()
-        notes = _draw(design, target, context, new)
+        target, context = (result.target, result.context) if isinstance(result, Result) else (None, None)
+        notes = _draw(result.design, target, context, new)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
         _write_json(new / "report.json", report | {"notes": notes, "seconds": seconds})
         results.add()

@@ -1,0 +1,161 @@
+"""What a solve found, as plain data that can be pickled, saved and gone on from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from inverse._types import FloatArray
+from inverse.certify import Certificate
+from inverse.origami.pattern import Design
+from inverse.pictures.design_state import Surface
+from inverse.policy.attempts import Attempt
+from inverse.policy.measures import Fit
+from inverse.policy.verdict import Judgement
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large the program was.
+
+    Attributes:
+        facets: of the design.
+        variables: of the program.
+        rows: of its constraints.
+        degrees_of_freedom: of the pattern.
+    """
+
+    facets: int
+    variables: int
+    rows: int
+    degrees_of_freedom: int
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a solve found, whether or not it is any good.
+
+    Attributes:
+        ending: a word of :data:`inverse.policy.endings.ENDINGS`: ``solved``, or why not.
+        status: the same as a sentence: how it ended and, unless certified and converged, what to do next.
+        converged: stationary and feasible by our own test.
+        certified: the independent certificate passes.
+        interrupted: stopped by the user, the time limit or a broken watch; the design is the best so far.
+        design: the design.
+        seed: the placed seed.
+        multipliers: (R,) of all constraint rows, which make the result a start for a task like it.
+        certificate: the independent certificate of the design.
+        fit: distances of the fitted points from the target.
+        coverage: fraction of the target's area within one (mean) facet diameter of the mesh.
+        footprint: extents of the flat states and of others that were asked for, as in ``report.json``.
+        objective: weighted value of every term.
+        judgement: how near the design is to a solution.
+        failed: what fails of our own verdict, as sentences.
+        attempts: everything that was tried.
+        reached: share of the target's heights that a path from the seed reached, where one was needed.
+        equations: rows, rank, freedom and condition of the equations where some follow from others, else None.
+        size: of the program.
+        seconds: spent on parts of the work.
+        specification: the whole specification, defaults included, as JSON.
+        target: vertices (V, 3) and triangles (T, 3) of the target, for pictures.
+        context: the same of the buildings around, or None.
+    """
+
+    ending: str
+    status: str
+    converged: bool
+    certified: bool
+    interrupted: bool
+    design: Design
+    seed: Design
+    multipliers: FloatArray
+    certificate: Certificate
+    fit: Fit
+    coverage: float
+    footprint: Mapping[str, Any]
+    objective: Mapping[str, float]
+    judgement: Judgement
+    failed: tuple[str, ...]
+    attempts: tuple[Attempt, ...]
+    reached: float | None
+    equations: Mapping[str, float] | None
+    size: Size
+    seconds: Mapping[str, float]
+    specification: Mapping[str, Any]
+    target: Surface
+    context: Surface | None
+
+    @property
+    def name(self) -> str:
+        """The name of the specification."""
+        return self.design.name
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of all runs."""
+        return sum(attempt.iterations for attempt in self.attempts)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Everything that ``report.json`` tells of the solve; None stands for what is no finite number."""
+        told = {
+            "name": self.name,
+            "status": self.status,
+            "converged": self.converged,
+            "certified": self.certified,
+            "fit": self.fit.document(),
+            "coverage": self.coverage,
+            "footprint": self.footprint,
+            "objective": self.objective,
+            "verdict": self.judgement.document() | {"failed": list(self.failed)},
+            "iterations": self.iterations,
+            "attempts": [attempt.document() for attempt in self.attempts],
+            "reached": self.reached,
+            "equations": self.equations,
+            "size": asdict(self.size),
+            "ending": self.ending,
+            "seconds": self.seconds,
+            "specification": self.specification,
+        }
+        return {key: _finite(value) for key, value in told.items()}
+
+    def save(self, folder: Path | str, *, pictures: bool = True) -> list[str]:
+        """Write design, certificate, report and pictures, as the command line does.
+
+        Args:
+            folder: where; made if missing. Files of an earlier result there are replaced, others stay.
+            pictures: whether to draw.
+
+        Returns:
+            Sentences about pictures that could not be drawn.
+
+        Raises:
+            InputError: the folder cannot be written to, or another run is writing to it; what was there is still there.
+        """
+        from inverse.results.saving import save
+
+        return save(self, Path(folder), pictures=pictures)
+
+
+class SolveError(RuntimeError):
+    """A solve that was to raise where its design is not both certified and converged.
+
+    Args:
+        result: what it found nevertheless; its status says how it ended and what to do next.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result = result
+        super().__init__(result.status)
+
+
+def _finite(value: Any) -> Any:
+    """The same with None for what is not a finite number, as terms without a value are: JSON has no word for it."""
+    if isinstance(value, Mapping):
+        return {key: _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
