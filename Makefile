@@ -2,13 +2,16 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
+OLDEST := .venv-oldest
+SMOKE := tests/test_solve.py tests/test_dragging.py tests/certify/test_check.py tests/spec/test_specification.py \
+  tests/surfaces/test_mesh.py tests/fabricate/test_panels.py tests/repair/test_repair.py
 UV_VERSION := 0.13.9
 
 # One BLAS thread: at these matrix sizes two are about four times slower.
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help demo setup test test-slow lint format bench bench-solving lock clean
+.PHONY: help demo setup test test-slow test-oldest lint format docs bench bench-solving lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
@@ -24,6 +27,9 @@ test: lint ## lint, types and the tests, without the slow ones
 test-slow: $(STAMP) ## only the slow tests
 	$(BIN)/python -m pytest -m slow
 
+test-oldest: $(OLDEST)/installed ## a few of the tests with the oldest libraries that pyproject.toml admits, on the built wheel
+	$(OLDEST)/bin/pytest -m "not slow" $(SMOKE)
+
 lint: $(STAMP) ## ruff and mypy
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -32,6 +38,9 @@ lint: $(STAMP) ## ruff and mypy
 format: $(STAMP) ## let ruff rewrite what it can
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
+
+docs: $(STAMP) ## pages of docs/ and of the docstrings, build/docs/index.html; warnings are errors
+	$(BIN)/python -m sphinx -W --keep-going --quiet docs build/docs
 
 bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, films, thick panels (a quarter of an hour)
 	$(BIN)/python -m benchmarks.fit
@@ -47,23 +56,34 @@ bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; s
 	$(BIN)/python -m benchmarks.refine
 	$(BIN)/python -m benchmarks.footprint
 
-lock: ## write requirements.lock anew from pyproject.toml
+LOCKED := --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url --quiet
+
+lock: ## write requirements.lock and requirements-oldest.lock anew from pyproject.toml
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/pip install --quiet uv==$(UV_VERSION)
-	.venv-lock/bin/uv pip compile pyproject.toml --extra dev --extra fabricate --universal --python-version 3.11 \
-	  --fork-strategy fewest --generate-hashes --no-annotate --no-header \
-	  --no-emit-index-url --quiet --output-file requirements.lock
+	.venv-lock/bin/uv pip compile pyproject.toml --extra dev --extra fabricate --universal --fork-strategy fewest \
+	  $(LOCKED) --output-file requirements.lock
+	rm -f requirements-oldest.lock  # what it holds would be kept
+	.venv-lock/bin/uv pip compile pyproject.toml --extra test --extra fabricate --resolution lowest-direct \
+	  $(LOCKED) --output-file requirements-oldest.lock
 
 clean: ## remove the environment, results and caches
-	rm -rf .venv .venv-lock out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis tests/node/node_modules
+	rm -rf .venv .venv-lock .venv-oldest out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis tests/node/node_modules
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The build backend is locked too, so nothing is fetched that has no hash.
 $(STAMP): requirements.lock
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' || { \
-	  echo "inverse needs Python 3.11 to 3.14 and $(PYTHON) is not one: name one that is, as in make demo PYTHON=python3.12." >&2; \
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' || { \
+	  echo "inverse needs Python 3.11 to 3.13 and $(PYTHON) is not one: name one that is, as in make demo PYTHON=python3.12." >&2; \
 	  exit 1; }
 	$(PYTHON) -m venv --clear .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(OLDEST)/installed: requirements-oldest.lock $(STAMP)
+	$(PYTHON) -m venv --clear $(OLDEST)
+	$(OLDEST)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-oldest.lock
+	$(BIN)/python -m hatchling build -t wheel -d $(OLDEST)
+	$(OLDEST)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps $(OLDEST)/inverse-*.whl
 	@touch $@

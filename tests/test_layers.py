@@ -122,7 +122,7 @@ ARROWS: dict[str, set[str]] = {
 LIBRARIES = {
     "casadi": {"nlp", "surfaces", "model", "terms", "constraints", "objectives", "cylinder_loop", "solvers"},
     "nlopt": {"solvers"},
-    "pydantic": {"spec"},
+    "pydantic": {"spec", "results"},
     "ruamel": {"spec"},
     "cyclopts": {"cli"},
     "pyvista": {"pictures"},

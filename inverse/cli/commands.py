@@ -6,7 +6,7 @@ import sys
 import threading
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -170,11 +170,20 @@ app.command(export)
 
 
 @app.command
-def schema() -> int:
-    """Print the JSON schema of specifications."""
-    from inverse.spec import Specification
+def schema(file: Literal["spec", "report", "certificate"] = "spec", /) -> int:
+    """Print a JSON schema, of specifications if nothing else is asked for.
 
-    print(json_text(Specification.model_json_schema()))
+    Args:
+        file: spec, report (report.json) or certificate (certificate.json).
+    """
+    if file == "spec":
+        from inverse.spec import Specification
+
+        print(json_text(Specification.model_json_schema()))
+    else:
+        from inverse.results import schema as schemas
+
+        print(json_text(schemas.report() if file == "report" else schemas.certificate()))
     return 0
 
 
