@@ -18,11 +18,14 @@ if TYPE_CHECKING:
     from inverse.errors import InputError as InputError
     from inverse.files.fold_file import read as read
     from inverse.files.fold_file import write as write
-    from inverse.objectives import register as register_objective
+    from inverse.objectives import objective as objective
     from inverse.origami import seeds as seeds
+    from inverse.origami.families import pattern_family as pattern_family
     from inverse.origami.folding import fold as fold
     from inverse.origami.pattern import Design as Design
     from inverse.origami.pattern import Pattern as Pattern
+    from inverse.origami.seeds import section as section
+    from inverse.policy.measures import measure as measure
     from inverse.repair import Repair as Repair
     from inverse.repair import repair as repair
     from inverse.solve import Result as Result
@@ -30,6 +33,9 @@ if TYPE_CHECKING:
     from inverse.solve import solve as solve
     from inverse.spec import from_mapping as from_mapping
     from inverse.spec import load as load
+    from inverse.surfaces import Target as Target
+    from inverse.surfaces.named import target as target
+    from inverse.terms.own_constraints import constraint as constraint
 
 # Read by BLAS when casadi loads it: at these matrix sizes two threads are several times slower than one.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -44,18 +50,25 @@ _HOMES = {
     "Repair": "repair",
     "Result": "solve",
     "SolveError": "solve",
+    "Target": "surfaces",
     "check": "certify",
+    "constraint": "terms.own_constraints",
     "fold": "origami.folding",
     "from_mapping": "spec",
     "load": "spec",
+    "measure": "policy.measures",
+    "objective": "objectives",
+    "pattern_family": "origami.families",
     "read": "files.fold_file",
     "refine": "dragging",
     "repair": "repair",
+    "section": "origami.seeds",
     "solve": "solve",
+    "target": "surfaces.named",
     "write": "files.fold_file",
 }
 
-__all__ = [*sorted(_HOMES), "__version__", "register_objective", "seeds"]
+__all__ = [*sorted(_HOMES), "__version__", "seeds"]
 
 
 class _Package(ModuleType):
@@ -73,8 +86,6 @@ sys.modules[__name__].__class__ = _Package
 def __getattr__(name: str) -> Any:
     if name == "seeds":
         return import_module("inverse.origami.seeds")
-    if name == "register_objective":
-        return import_module("inverse.objectives").register
     if name in _HOMES:
         return getattr(import_module(f"inverse.{_HOMES[name]}"), name)
     raise AttributeError(f"module 'inverse' has no attribute {name!r}")

@@ -90,6 +90,7 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
     control = Control(np.inf if limit is None else time.monotonic() + limit, watch)
     with control.interruptible():
         formulation = formulate(loaded)
+        measures.own(formulation.goal.model.seed)  # what is wrong with them is told before solving
         control.check()
         policy = Policy(loaded, formulation, control)
         formulated = time.perf_counter()
@@ -106,6 +107,9 @@ def solve(loaded: Loaded, watch: Watch | None = None, start: Result | None = Non
             far = float(np.abs(outcome.design.vertices_coords).max())
             ending, details = "too_far", [f"numbers of {far:.3g} are {np.spacing(far):.1g} apart", *details]
         report |= {"ending": ending, "certified": outcome.certificate.certified}
+        failures: list[str] = []
+        report["measures"] = {name: _finite(value) for name, value in measures.own(outcome.design, failures).items()}
+        report["failed_measures"] = failures
         report["seconds"] = {"formulate": formulated - began} | policy.seconds
     result = Result(
         ending, statuses.sentence(ending, details), outcome.converged, outcome.certificate.certified,

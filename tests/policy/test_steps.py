@@ -246,7 +246,7 @@ def test_what_a_later_step_raises_keeps_the_earlier_best(monkeypatch: pytest.Mon
     def broken(*_: Any) -> None:
         raise ZeroDivisionError("by zero")
 
-    monkeypatch.setattr("inverse.policy.steps.formulate", broken)
+    monkeypatch.setattr("inverse.policy.steps.Formulation.again", broken)
     result = inverse.solve(task())
     assert result.ending == "failed"
     assert "the step along a path raised ZeroDivisionError: by zero" in result.status
@@ -331,7 +331,7 @@ def test_flattened_targets(share: float) -> None:
     ],
 )
 def test_a_term_that_is_not_a_number_is_named_at_once(function: Any) -> None:
-    objectives.register("mine", function)
+    objectives.objective("mine", per="mesh")(lambda points, _: function(points))
     result = inverse.solve(task(objectives={"mine": 1.0}))
     assert result.ending == "not_a_number"
     assert "mine at vertices 0, 1, 2, 3" in result.status
@@ -351,10 +351,11 @@ def test_a_target_without_a_slope_is_told_in_numbers_or_not_at_all() -> None:
 
 
 @pytest.mark.usefixtures("registered")
-def test_no_number_beyond_a_wall_is_a_wall(registered: dict[str, objectives.Term]) -> None:
+def test_no_number_beyond_a_wall_is_a_wall() -> None:
     """A term may lack a value where no design needs to go: the solver steps back from there."""
     highest = float(dome().design.vertices_coords[:, 2].max())
-    objectives.register("wall", lambda points: 1e-3 * casadi.log(highest + 0.005 - points[:, 2]))
+    wall = objectives.objective("wall", per="mesh")
+    wall(lambda points, _: 1e-3 * casadi.log(highest + 0.005 - points[:, 2]))
     result = inverse.solve(task(objectives={"wall": 1e-6}))
     assert_good(result)
 
