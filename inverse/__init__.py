@@ -20,18 +20,23 @@ if TYPE_CHECKING:
     from inverse.errors import InputError as InputError
     from inverse.files.fold_file import read as read
     from inverse.files.fold_file import write as write
-    from inverse.objectives import register as register_objective  # noqa: F401
+    from inverse.objectives import objective as objective
     from inverse.origami import seeds as seeds
+    from inverse.origami.families import pattern_family as pattern_family
     from inverse.origami.folding import Motion as Motion
     from inverse.origami.folding import fold as fold
     from inverse.origami.pattern import Design as Design
     from inverse.origami.pattern import Pattern as Pattern
+    from inverse.origami.seeds import section as section
+    from inverse.policy.measures import measure as measure
     from inverse.repair.repairing import Repair as Repair
     from inverse.results.result import Result as Result
     from inverse.results.result import SolveError as SolveError
     from inverse.solvers.run import Progress as Progress
     from inverse.spec import load as load
     from inverse.surfaces import Target as Target
+    from inverse.surfaces.named import target as target
+    from inverse.terms.own_constraints import constraint as constraint
 
 # Read by BLAS when casadi loads it: at these matrix sizes two threads are several times slower than one.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -50,11 +55,16 @@ _HOMES = {
     "Result": ("results.result", "Result"),
     "SolveError": ("results.result", "SolveError"),
     "Target": ("surfaces", "Target"),
+    "constraint": ("terms.own_constraints", "constraint"),
     "fold": ("origami.folding", "fold"),
     "load": ("spec", "load"),
+    "measure": ("policy.measures", "measure"),
+    "objective": ("objectives", "objective"),
+    "pattern_family": ("origami.families", "pattern_family"),
     "read": ("files.fold_file", "read"),
     "refine": ("dragging", "refine"),
-    "register_objective": ("objectives", "register"),
+    "section": ("origami.seeds", "section"),
+    "target": ("surfaces.named", "target"),
     "write": ("files.fold_file", "write"),
 }
 

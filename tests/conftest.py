@@ -12,6 +12,11 @@ import pytest
 from hypothesis import settings
 
 from inverse import objectives
+from inverse.origami import families, seeds
+from inverse.policy import measures
+from inverse.registry import Registry
+from inverse.surfaces import named
+from inverse.terms import own_constraints
 
 # The same input gives the same verdict: property tests draw the same examples in every run.
 settings.register_profile("repeatable", derandomize=True)
@@ -82,10 +87,17 @@ def browser(lacking: Callable[[str], NoReturn]) -> Iterator[Any]:
         running.close()
 
 
+REGISTRIES: tuple[Registry[Any], ...] = (
+    *(objectives.OBJECTIVES, own_constraints.CONSTRAINTS, measures.MEASURES),
+    *(named.TARGETS, families.PATTERN_FAMILIES, seeds.NAMED_SECTIONS),
+)
+
+
 @pytest.fixture
-def registered() -> Iterator[dict[str, objectives.Term]]:
-    """What is registered; terms that a test adds go with it."""
-    before = dict(objectives.OBJECTIVES)
-    yield objectives.OBJECTIVES
-    objectives.OBJECTIVES.clear()
-    objectives.OBJECTIVES.update(before)
+def registered() -> Iterator[tuple[Registry[Any], ...]]:
+    """All registries; what a test adds to them goes with it."""
+    before = [set(registry) for registry in REGISTRIES]
+    yield REGISTRIES
+    for registry, names in zip(REGISTRIES, before, strict=True):
+        for name in set(registry) - names:
+            registry.remove(name)

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import casadi
 import numpy as np
 import pytest
 from designs import assert_close
@@ -234,7 +235,7 @@ def test_in_another_thread() -> None:
 
 @pytest.mark.parametrize("weight", [3.0, 0.1])
 def test_a_common_factor_of_all_weights_changes_nothing(weight: float) -> None:
-    weights = {name: weight * term.default_weight for name, term in objectives.OBJECTIVES.items()}
+    weights = {name: weight * term.weight for name, term in objectives.OBJECTIVES.items()}
     result = inverse.solve(task(objectives=weights))
     assert_good(result)
     values = [sum(r.report["objective"].values()) for r in (result, dome())]
@@ -250,16 +251,16 @@ def test_more_fairness_is_fairer() -> None:
     assert fair.report["fit"]["rms"] > dome().report["fit"]["rms"]
 
 
+@pytest.mark.usefixtures("registered")
 def test_an_objective_of_ones_own() -> None:
     """Vertices 0 and 48 a given distance apart, in metres."""
-    inverse.register_objective(
-        "reach", lambda points: (points[0, :] - points[48, :]) @ (points[0, :] - points[48, :]).T - 1.6**2
-    )
-    try:
-        result = inverse.solve(task(objectives={"reach": 10}))
-        plain = inverse.solve(task())
-    finally:
-        del objectives.OBJECTIVES["reach"]
+
+    @inverse.objective("reach", per="mesh")
+    def reach(points: casadi.SX, _: casadi.SX) -> casadi.SX:
+        return casadi.sumsqr(points[0, :] - points[48, :]) - 1.6**2
+
+    result = inverse.solve(task(objectives={"reach": 10}))
+    plain = inverse.solve(task())
     assert result.converged
     reached, before = (math.dist(*r.design.vertices_coords[[0, 48]]) for r in (result, plain))
     assert abs(before - 1.6) > 0.05

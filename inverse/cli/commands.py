@@ -42,6 +42,7 @@ def solve(
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     overrides: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
     start: Path | None = None,
+    extensions: Annotated[tuple[Path, ...], Parameter(name="--with", negative=())] = (),
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
     """Design a mesh for a target surface and certify it.
@@ -51,15 +52,20 @@ def solve(
         out: folder for the results, out/<name> by default.
         overrides: changes a value of the specification, as key.path=value; may be repeated.
         start: output folder or FOLD file of a design of the same pattern, to go on from instead of the seed.
+        extensions: Python file that is RUN first, with all your rights, and registers objectives, constraints,
+            measures, targets or patterns of your own; may be repeated.
         as_json: print the result as JSON.
     """
     stop = threading.Event()
     with interrupts.held(stop):
         from inverse import solve as run
         from inverse import spec
+        from inverse.extensions import load_file
         from inverse.results import saving
         from inverse.results.folder import Results
 
+        for file in extensions:
+            load_file(file)
         loaded = spec.load(specification, overrides)
         folder = saving.output_folder(loaded.specification.name, out)
     if stop.is_set():

@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from inverse import constraints, cylinder_loop, objectives
+from inverse import constraints as hard
+from inverse import cylinder_loop
 from inverse._types import FloatArray
 from inverse.errors import InputError
 from inverse.files import fold_file
-from inverse.formulation import anchors, placement
+from inverse.formulation import anchors, own_terms, placement
 from inverse.formulation.anchors import PolylineAnchor
+from inverse.formulation.calls import called
+from inverse.formulation.given import NOTHING, Given
+from inverse.formulation.within import within
 from inverse.limits import check_coordinates, check_extent
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint, Objective
 from inverse.origami import seeds
+from inverse.origami.families import PATTERN_FAMILIES
 from inverse.origami.pattern import Design
-from inverse.spec import BetweenKeys, FilePattern, HeightKeys, Loaded, TubeKeys, TubePattern
+from inverse.spec import (
+    BetweenKeys,
+    FamilyPattern,
+    FilePattern,
+    HeightKeys,
+    Loaded,
+    SurfaceKeys,
+    TubeKeys,
+    TubePattern,
+)
 from inverse.spec.footprint import FootprintLimits, State, radians
 from inverse.surfaces import Target
+from inverse.surfaces.named import TARGETS, moved
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms.fitting import Fitting
 from inverse.terms.goal import Goal
@@ -33,7 +47,6 @@ from inverse.terms.tube_fit import TubeFitting, is_tube
 if TYPE_CHECKING:
     from inverse.surfaces.mesh import MeshTarget
 
-T = TypeVar("T")
 OTHER_UNIT = "Choose a unit in which domain and height are neither huge nor tiny."
 
 FAR = 100.0  # sizes of the target from the origin: what lies farther is solved from an origin of its own
@@ -51,6 +64,7 @@ class Formulation:
         fixed: constraints that stay as they are.
         sliding: anchors on polylines.
         free_range: (low, high) radians, the part of the motion in which no facets may cross; None if none is asked.
+        given: what a caller gave besides the specification.
     """
 
     goal: Goal
@@ -58,9 +72,10 @@ class Formulation:
     fixed: list[Constraint]
     sliding: list[PolylineAnchor]
     free_range: tuple[float, float] | None
+    given: Given
 
 
-def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
+def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> Formulation:
     """Read what the specification names and build all terms.
 
     A task far from the origin is moved to ``goal.origin``: large coordinates leave few digits for lengths.
@@ -68,16 +83,17 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     Args:
         loaded: the specification.
         share: of the target's heights over its plan; below 1 for a task on the way to it, with the same seed.
+        given: what a caller gave besides.
 
     Raises:
         InputError: with the place in the specification.
     """
     specification = loaded.specification
-    target = build_target(loaded)
-    origin = _origin(target)
+    target = build_target(loaded, given=given)
+    origin = NOWHERE if isinstance(given.target, TubeTarget) else _origin(target)
     if origin.any():
-        target = build_target(loaded, origin)
-    seed = _within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin))
+        target = build_target(loaded, origin, given)
+    seed = within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin, given))
     if isinstance(target, TubeTarget) and not (is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
         raise loaded.source.error(
             ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
@@ -86,26 +102,21 @@ def formulate(loaded: Loaded, share: float = 1.0) -> Formulation:
     model = DesignModel(seed)
     surface = target if share == 1 else target.flattened(share)
     goal = Goal(_fitting(loaded, model, surface), _packed(loaded, model), origin)
-    for name in specification.objectives:
-        if name not in objectives.OBJECTIVES:
-            known = ", ".join(sorted(objectives.OBJECTIVES))
-            raise loaded.source.error(
-                ("objectives", name), f"{name!r} is no objective: registered are {known}", at_key=True
-            )
-    terms = _within(loaded, ("fit",), lambda: objectives.build(goal, dict(specification.objectives)))
+    goal, terms = own_terms.minimized(loaded, goal, given)
     limits = specification.constraints
     bounds = {
         "edge_length": limits.edge_length,
         "sector_angle": _radians(limits.sector_angle),
         "fold_angle": _radians(limits.fold_angle),
     }
-    fixed = constraints.hard_constraints(model, bounds)
+    fixed = hard.hard_constraints(model, bounds)
     anchored, sliding = anchors.build(loaded, model, origin)
     packed = [constraint for state in goal.packed for constraint in state.constraints()]
     loops = _loops(loaded, model)
     free_range = None if limits.free_range is None else _radians(limits.free_range)
-    fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model, origin), *packed]
-    return Formulation(goal, terms, fixed, sliding, free_range)
+    own = own_terms.constrained(loaded, goal, given)
+    fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model, origin), *packed, *own]
+    return Formulation(goal, terms, fixed, sliding, free_range, given)
 
 
 def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
@@ -120,7 +131,7 @@ def moved_back(loaded: Loaded, formulation: Formulation) -> Formulation:
     goal = formulation.goal
     seed = goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin)
     sliding = [replace(anchor, polyline=anchor.polyline + goal.origin) for anchor in formulation.sliding]
-    fitting = _fitting(loaded, DesignModel(seed), build_target(loaded))
+    fitting = _fitting(loaded, DesignModel(seed), build_target(loaded, given=formulation.given))
     goal = replace(goal, fitting=fitting, origin=NOWHERE)
     return replace(formulation, goal=goal, sliding=sliding)
 
@@ -135,17 +146,18 @@ def _origin(target: Target) -> FloatArray:
     return np.asarray(np.round(frame.origin / step) * step)
 
 
-def build_target(loaded: Loaded, origin: FloatArray = NOWHERE) -> Target:
+def build_target(loaded: Loaded, origin: FloatArray = NOWHERE, given: Given = NOTHING) -> Target:
     """The target surface of a specification.
 
     Args:
         loaded: the specification.
         origin: (3,) point of its coordinates that the surface's are relative to.
+        given: what a caller gave besides.
 
     Raises:
         InputError: with the place in the specification; a surface that reaches too far is refused here, whatever it is.
     """
-    target = _target(loaded, origin)
+    target = _target(loaded, origin) if given.target is None else moved(given.target, origin)
 
     def check() -> None:
         points, _ = target.triangles()
@@ -158,7 +170,7 @@ def build_target(loaded: Loaded, origin: FloatArray = NOWHERE) -> Target:
                 hint="Look for a wrong number in it: up to 1e6 is allowed.",
             )
 
-    _within(loaded, ("target",), check)
+    within(loaded, ("target",), check)
     return target
 
 
@@ -175,15 +187,17 @@ def _target(loaded: Loaded, origin: FloatArray) -> Target:
                     raise InputError("areas of the target are beyond what a number can hold", hint=OTHER_UNIT)
             return target
 
-        return _within(loaded, ("target", "height"), make)
+        return within(loaded, ("target", "height"), make)
     if isinstance(keys, BetweenKeys):
         from inverse.surfaces.parametric import BetweenTarget
 
         curves = [np.array(curve) - origin for curve in keys.between]
-        return _within(loaded, ("target", "rise"), lambda: BetweenTarget(curves, keys.rise, keys.profile))
+        return within(loaded, ("target", "rise"), lambda: BetweenTarget(curves, keys.rise, keys.profile))
     if isinstance(keys, TubeKeys):
         return _tube_target(loaded, keys, origin)
-    return _within(loaded, ("target", "mesh"), lambda: _mesh(loaded.folder / keys.mesh, origin))
+    if isinstance(keys, SurfaceKeys):
+        return moved(called(loaded, "target", "surface", TARGETS, keys.parameters), origin)
+    return within(loaded, ("target", "mesh"), lambda: _mesh(loaded.folder / keys.mesh, origin))
 
 
 def _mesh(path: Path, origin: FloatArray) -> MeshTarget:
@@ -208,13 +222,13 @@ def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
         points = np.array(keys.axis.spline or keys.axis.polyline) - origin
         return Axis(points, smooth=keys.axis.spline is not None)
 
-    found = _within(loaded, ("target", "axis"), axis)
+    found = within(loaded, ("target", "axis"), axis)
     if keys.mesh is not None:
         path = loaded.folder / keys.mesh
-        radius = _within(loaded, ("target", "mesh"), lambda: around.of_mesh(found, _mesh(path, origin)))
+        radius = within(loaded, ("target", "mesh"), lambda: around.of_mesh(found, _mesh(path, origin)))
     elif keys.implicit is not None:
         value = parse(keys.implicit, SPACE, "implicit expression")
-        radius = _within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value, origin))
+        radius = within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value, origin))
     else:
         radius = np.array(keys.radius)
     target = TubeTarget(found, radius)
@@ -229,16 +243,23 @@ def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
     return target
 
 
-def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE) -> Design:
+def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, given: Given = NOTHING) -> Design:
     """The seed, placed over the target's plan; one that keeps its position is moved to the origin (3,)."""
     specification = loaded.specification
     pattern, unit, name = specification.pattern, specification.units, specification.name
-    if isinstance(pattern, FilePattern):
-        seed = fold_file.read(loaded.folder / pattern.file)
+    if given.design is not None or isinstance(pattern, FilePattern | FamilyPattern):
+        if given.design is not None:
+            seed = given.design
+        elif isinstance(pattern, FamilyPattern):
+            seed = called(loaded, "pattern", "family", PATTERN_FAMILIES, pattern.parameters, *pattern.size)
+        else:
+            assert isinstance(pattern, FilePattern)
+            seed = fold_file.read(loaded.folder / pattern.file)
         seed = Design(seed.pattern, seed.vertices_coords, unit, name)
-        if pattern.keep_position:
+        if isinstance(pattern, FilePattern) and pattern.keep_position:
             return seed.moved_to(seed.vertices_coords - origin)
-        return placement.place_file(seed, target.frame, pattern.turn)
+        turn = pattern.turn if isinstance(pattern, FilePattern | FamilyPattern) else 0
+        return placement.place_file(seed, target.frame, turn)
 
     if isinstance(pattern, TubePattern):
         steps, lengths = pattern.steps, pattern.lengths_v
@@ -269,7 +290,7 @@ def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE) -> 
 def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:
     """One strip around every hole that closes through the whole motion, or keeps its shape."""
     asked = loaded.specification.constraints.loop
-    return _within(
+    return within(
         loaded,
         ("constraints", "loop") if asked else ("pattern",),
         lambda: cylinder_loop.around_holes(model, asked or "exact"),
@@ -285,7 +306,7 @@ def _keep_outs(loaded: Loaded, model: DesignModel, origin: FloatArray) -> list[C
             point, normal = np.array([0.0, 0.0, keep_out.below]), np.array([0.0, 0.0, 1.0])
         else:
             point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
-        found.append(constraints.keep_out(model, f"keep_out_{k}", point - origin, normal))
+        found.append(hard.keep_out(model, f"keep_out_{k}", point - origin, normal))
     return found
 
 
@@ -314,11 +335,3 @@ def _packed(loaded: Loaded, model: DesignModel) -> tuple[Packed, ...]:
 
 def _radians(degrees: tuple[float, float]) -> tuple[float, float]:
     return float(np.radians(degrees[0])), float(np.radians(degrees[1]))
-
-
-def _within(loaded: Loaded, key: tuple[str | int, ...], make: Callable[[], T]) -> T:
-    """Give an error from deeper down the place in the specification that caused it."""
-    try:
-        return make()
-    except InputError as error:
-        raise loaded.source.error(key, str(error).split("\n")[0], error.hint) from None

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi
 import numpy as np
@@ -20,34 +20,65 @@ Residual = Callable[[casadi.SX, casadi.SX], casadi.SX]
 
 
 class Kernel:
-    """One element's residual r(q, p) with derivatives.
+    """One element's residual r(q, p) with derivatives, each made when it is first asked for.
 
     Args:
         name: for messages and function names.
         residual: function of the local variables q (n,) and parameters p (m,) that returns residuals (k,).
         n_variables: n.
         n_parameters: m.
+        is_curved: False to leave second derivatives of the residuals out (the Gauss-Newton idea), where they would be
+            dense in many variables.
     """
 
-    def __init__(self, name: str, residual: Residual, n_variables: int, n_parameters: int = 0) -> None:
-        q = casadi.SX.sym("q", n_variables)
-        p = casadi.SX.sym("p", n_parameters)
-        r = casadi.densify(casadi.vertcat(residual(q, p)))
-        weight = casadi.SX.sym("weight", r.numel())
-        jacobian = casadi.jacobian(r, q)
-        curvature = casadi.triu(casadi.hessian(casadi.dot(weight, r), q)[0])
-        # Sum of squares with a factor: what an objective adds per element.
-        square = casadi.sumsqr(r)
-        gradient = casadi.densify(casadi.gradient(square, q))
-        square_curvature = casadi.triu(casadi.hessian(square, q)[0])
+    def __init__(
+        self, name: str, residual: Residual, n_variables: int, n_parameters: int = 0, *, is_curved: bool = True
+    ) -> None:
+        self._q = casadi.SX.sym("q", n_variables)
+        self._p = casadi.SX.sym("p", n_parameters)
+        self._residuals = casadi.densify(casadi.vertcat(residual(self._q, self._p)))
+        self._is_curved = is_curved
         self.name = name
-        self.n_variables, self.n_parameters, self.n_residuals = n_variables, n_parameters, r.numel()
-        self.value = casadi.Function(f"{name}_value", [q, p], [r])
-        self.jacobian = casadi.Function(f"{name}_jacobian", [q, p], [jacobian])
-        self.curvature = casadi.Function(f"{name}_curvature", [q, p, weight], [curvature])
-        self.square = casadi.Function(f"{name}_square", [q, p], [square])
-        self.gradient = casadi.Function(f"{name}_gradient", [q, p], [gradient])
-        self.square_curvature = casadi.Function(f"{name}_square_curvature", [q, p], [square_curvature])
+        self.n_variables, self.n_parameters, self.n_residuals = n_variables, n_parameters, self._residuals.numel()
+
+    @cached_property
+    def value(self) -> casadi.Function:
+        """r."""
+        return self._function("value", self._residuals)
+
+    @cached_property
+    def jacobian(self) -> casadi.Function:
+        """(k, n) of r by q."""
+        return self._function("jacobian", casadi.jacobian(self._residuals, self._q))
+
+    @cached_property
+    def curvature(self) -> casadi.Function:
+        """Upper triangle (n, n) of the Hessian of r times weights (k,), its third argument."""
+        weight = casadi.SX.sym("weight", self.n_residuals)
+        if self._is_curved:
+            curvature = casadi.triu(casadi.hessian(casadi.dot(weight, self._residuals), self._q)[0])
+        else:
+            curvature = casadi.SX(self.n_variables, self.n_variables)
+        return self._function("curvature", curvature, weight)
+
+    @cached_property
+    def square(self) -> casadi.Function:
+        """The sum of squares of r: what an objective adds per element, but for a factor."""
+        return self._function("square", casadi.sumsqr(self._residuals))
+
+    @cached_property
+    def gradient(self) -> casadi.Function:
+        """(n,) of the sum of squares."""
+        return self._function("gradient", casadi.densify(casadi.gradient(casadi.sumsqr(self._residuals), self._q)))
+
+    @cached_property
+    def square_curvature(self) -> casadi.Function:
+        """Upper triangle (n, n) of the Hessian of the sum of squares."""
+        curvature = casadi.hessian(casadi.sumsqr(self._residuals), self._q)[0]
+        return self._function("square_curvature", casadi.triu(curvature))
+
+    def _function(self, name: str, value: casadi.SX, *more: casadi.SX) -> casadi.Function:
+        return casadi.Function(f"{self.name}_{name}", [self._q, self._p, *more], [value])
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from inverse.crossing import crossing_facets
 from inverse.errors import InputError
 from inverse.origami.geometry import diagonal
 from inverse.origami.pattern import CFL, FL, Design, Pattern
+from inverse.registry import Registry
 
 Word = str | Sequence[str]
 Section = Sequence[tuple[int, int, float]]
@@ -32,14 +33,38 @@ SECTIONS: dict[int, Section] = {
     ),
 }
 #: Closed sections by the word that specifications use.
-NAMED_SECTIONS: dict[str, Section] = {
-    **{f"{k}-gon": section for k, section in SECTIONS.items()},
-    "plus": (
-        *((1, 1, 1), (1, -1, 1), (1, 1, 1), (1, -1, 1), (-1, -1, 1), (1, -1, 1)),
-        *((-1, -1, 1), (-1, 1, 1), (-1, -1, 1), (-1, 1, 1), (1, 1, 1), (-1, 1, 1)),
-    ),
-    "L": ((1, 1, 3), (1, -1, 1), (-1, -1, 2), (1, -1, 2), (-1, -1, 1), (-1, 1, 3)),
-}
+NAMED_SECTIONS: Registry[Section] = Registry(
+    "a section",
+    {
+        **{f"{k}-gon": section for k, section in SECTIONS.items()},
+        "plus": (
+            *((1, 1, 1), (1, -1, 1), (1, 1, 1), (1, -1, 1), (-1, -1, 1), (1, -1, 1)),
+            *((-1, -1, 1), (-1, 1, 1), (-1, -1, 1), (-1, 1, 1), (1, 1, 1), (-1, 1, 1)),
+        ),
+        "L": ((1, 1, 3), (1, -1, 1), (-1, -1, 2), (1, -1, 2), (-1, -1, 1), (-1, 1, 3)),
+    },
+)
+
+
+def section(name: str, steps: Section) -> None:
+    """Register a closed section of tubes, for ``pattern: {kind: tube, section: name, ...}``.
+
+    Args:
+        name: of the section.
+        steps: (n, a, length) around, see :func:`tube`.
+
+    Raises:
+        InputError: the name is taken or no word, or no tube has this section.
+    """
+    try:
+        rows = tuple((int(n), int(a), float(length)) for n, a, length in steps)
+    except (TypeError, ValueError):
+        raise InputError(f"section {name} is {steps!r}: a list of steps (n, a, length) is wanted") from None
+    try:
+        tube(rows, 1)
+    except InputError as error:
+        raise InputError(f"section {name}: {error.message}", hint=error.hint) from None
+    NAMED_SECTIONS.add(name, rows)
 
 
 def grid_pattern(size: tuple[int, int], u_lines: Word = "FL", v_lines: Word = "FL") -> Pattern:

@@ -2,20 +2,98 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from inverse._types import FloatArray
 from inverse.crossing import triangles_of
+from inverse.errors import InputError
+from inverse.extensions import told
 from inverse.origami import footprint as folded
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
+from inverse.registry import Registry
 from inverse.surfaces.mesh import MeshTarget
 from inverse.terms.goal import Goal
 from inverse.terms.packed import SIDES
 from inverse.terms.tube_fit import RingFit
+
+Measure = Callable[[Design], float]
+M = TypeVar("M", bound=Measure)
+
+
+@dataclass(frozen=True)
+class OwnMeasure:
+    """A measure of a user.
+
+    Attributes:
+        function: of a design.
+        unit: of what it returns, for reports.
+    """
+
+    function: Measure
+    unit: str
+
+
+MEASURES: Registry[OwnMeasure] = Registry("a measure")
+
+
+def measure(name: str, *, unit: str = "") -> Callable[[M], M]:
+    """Register a function of a design that every report tells the value of, under ``measures``.
+
+    Args:
+        name: in the report.
+        unit: of what it returns, for whoever reads it.
+
+    Returns:
+        A decorator of functions ``f(design)`` that return a number.
+
+    Raises:
+        InputError: the name is taken or no word.
+    """
+
+    def add(function: M) -> M:
+        if not callable(function):
+            raise InputError(f"measure {name} is no function")
+        MEASURES.add(name, OwnMeasure(function, unit))
+        return function
+
+    return add
+
+
+def own(design: Design, failures: list[str] | None = None) -> dict[str, float]:
+    """The registered measures of a design, by name.
+
+    Args:
+        design: the design.
+        failures: where given, a measure that fails is NaN and its sentence is added here.
+
+    Raises:
+        InputError: a measure raised something, which is the cause, or returned no number.
+    """
+    found = {}
+    for name, one in MEASURES.items():
+        try:
+            found[name] = _value(name, one, design)
+        except InputError as error:
+            if failures is None:
+                raise
+            found[name] = float("nan")
+            failures.append(error.message)
+    return found
+
+
+def _value(name: str, one: OwnMeasure, design: Design) -> float:
+    try:
+        value = one.function(design)
+    except Exception as error:
+        raise InputError(f"measure {name} raised {told(error)}") from error
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        raise InputError(f"measure {name} returns a {type(value).__name__}: a number is wanted")
+    return float(value)
 
 
 @dataclass(frozen=True)

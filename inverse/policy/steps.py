@@ -10,6 +10,7 @@ import numpy as np
 
 from inverse._types import FloatArray
 from inverse.certify import Certificate, check_frame
+from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.formulation.formulate import Formulation, formulate
@@ -169,7 +170,7 @@ class Policy:
         share, step, variables, outcome = 0.0, FIRST_SHARE, None, None
         while share < 1 and step >= SHORTEST_SHARE and not self._is_over:
             ahead = min(share + step, 1.0)
-            on_the_way = formulate(self.loaded, ahead) if ahead < 1 else self.formulation
+            on_the_way = formulate(self.loaded, ahead, self.formulation.given) if ahead < 1 else self.formulation
             found = self._solved(f"path, {ahead:.3g} of the target", on_the_way, variables)
             if found.is_solved:
                 share, step, variables, outcome = ahead, 2 * step, found.point.variables, found
@@ -243,9 +244,12 @@ class Policy:
     def _from_coarse(self, loaded: Loaded, goal: Goal) -> FloatArray | None:
         """Variables to start a fine grid from, taken from a coarser one."""
         task = coarse.coarsened(loaded)
-        if task is None:
+        if task is None or self.formulation.given.design is not None:
             return None
-        formulation = formulate(task)
+        try:
+            formulation = formulate(task, given=self.formulation.given)
+        except InputError:
+            return None  # terms of one's own, or a pattern family, that know only the fine grid
         own = formulation.goal.model
         start = self._from_coarse(task, formulation.goal)
         rounds = Rounds(formulation, self._options, self.control, self._method, start, step="coarser grid")

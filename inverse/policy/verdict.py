@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from inverse._types import FloatArray
 from inverse.certify import Certificate
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
@@ -37,9 +38,17 @@ def gradient_scale(problem: Problem, goal: Goal) -> float:
     moved = seed.copy()
     moved[:n] += MOVED * geometry.diagonal(goal.model.seed_points) * np.random.default_rng(0).standard_normal(n)
     parameters = problem.parameters()
-    at_seed, there = (Point(problem, x, parameters).gradient for x in (seed, moved))
+    at_seed, there = (_by_vertices(Point(problem, x, parameters), goal) for x in (seed, moved))
     sizes = [float(np.abs(gradient).max()) for gradient in (at_seed, there - at_seed)]
     return max((size for size in sizes if np.isfinite(size)), default=0.0) or 1.0
+
+
+def _by_vertices(point: Point, goal: Goal) -> FloatArray:
+    """The objective's gradient (n,) with values of the whole mesh followed back: one of them is worth all vertices."""
+    gradient = point.gradient
+    for carried in goal.carried:
+        gradient = carried.brought_back(gradient, point)
+    return gradient
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from inverse.files import fold_file
 from inverse.files.fold_format import frame_of
 from inverse.formulation.context import read_context
 from inverse.formulation.formulate import Formulation, formulate, moved_back
+from inverse.formulation.given import Given
 from inverse.nlp.redundancy import dependence
 from inverse.origami.pattern import Design
 from inverse.pictures.design_state import Surface
@@ -29,7 +30,7 @@ from inverse.terms.goal import Goal
 Start = Result | Design | Path | str
 
 
-def made(loaded: Loaded, start: Start | None, watch: Watch | None, *, throw: bool) -> Result:
+def made(loaded: Loaded, given: Given, start: Start | None, watch: Watch | None, *, throw: bool) -> Result:
     """Solve a task; see :func:`inverse.solve`."""
     began = time.perf_counter()
     limit = loaded.specification.solver.time_limit_s
@@ -37,7 +38,8 @@ def made(loaded: Loaded, start: Start | None, watch: Watch | None, *, throw: boo
     with control.interruptible():
         first = _read(start) if isinstance(start, Path | str) else start
         context = read_context(loaded)
-        formulation = formulate(loaded)
+        formulation = formulate(loaded, given=given)
+        measures.own(formulation.goal.model.seed)  # what is wrong with them is told before solving
         control.check()
         policy = Policy(loaded, formulation, control)
         policy.seconds["formulate"] = time.perf_counter() - began
@@ -81,6 +83,8 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
         outcome = _moved_back(outcome, goal.origin)
         formulation = moved_back(loaded, formulation)
     ending, details = _ending(policy, near, outcome)
+    failed_measures: list[str] = []
+    own = measures.own(outcome.design, failed_measures)
     return Result(
         ending=ending,
         status=endings.sentence(ending, details),
@@ -94,6 +98,8 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
         fit=measures.fit(goal, near.design),
         coverage=measures.coverage(goal, near.design),
         footprint=measures.footprint(goal, point.variables),
+        measures=own,
+        failed_measures=tuple(failed_measures),
         objective=point.objective_terms,
         judgement=outcome.judgement,
         failed=outcome.failed,

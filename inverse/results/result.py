@@ -51,6 +51,8 @@ class Result:
         fit: distances of the fitted points from the target.
         coverage: fraction of the target's area within one (mean) facet diameter of the mesh.
         footprint: extents of the flat states and of others that were asked for, as in ``report.json``.
+        measures: values of measures of one's own (:func:`inverse.measure`) by name; NaN where one failed.
+        failed_measures: why, as sentences.
         objective: weighted value of every term.
         judgement: how near the design is to a solution.
         failed: what fails of our own verdict, as sentences.
@@ -76,6 +78,8 @@ class Result:
     fit: Fit
     coverage: float
     footprint: Mapping[str, Any]
+    measures: Mapping[str, float]
+    failed_measures: tuple[str, ...]
     objective: Mapping[str, float]
     judgement: Judgement
     failed: tuple[str, ...]
@@ -109,6 +113,8 @@ class Result:
             "fit": self.fit.document(),
             "coverage": self.coverage,
             "footprint": self.footprint,
+            "measures": self.measures,
+            "failed_measures": self.failed_measures,
             "objective": self.objective,
             "verdict": self.judgement.document() | {"failed": list(self.failed)},
             "iterations": self.iterations,

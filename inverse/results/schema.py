@@ -67,6 +67,8 @@ def _solve() -> Schema:
         "fit": _fit(),
         "coverage": NUMBER,
         "footprint": _footprint(),
+        "measures": _mapping(NUMBER),
+        "failed_measures": _list(TEXT),
         "objective": _mapping(NUMBER),
         "verdict": _told(Judgement, violations=_mapping(_object({"value": NUMBER, "worst": TEXT}))),
         "iterations": COUNT,

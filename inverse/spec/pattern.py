@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from inverse.errors import InputError
 from inverse.origami import seeds
@@ -91,7 +91,17 @@ def _counted(count: int, noun: str) -> str:
 
 Sign = Annotated[Literal[1, -1], word("sign", {1: "", -1: ""})]
 SectionSteps = tuple[Annotated[tuple[Sign, Sign, Positive], row("n", "a", "length")], ...]
-SectionWord = Annotated[str, word("section", dict.fromkeys(seeds.NAMED_SECTIONS, ""))]
+
+
+def _check_section_word(name: str) -> str:
+    try:
+        seeds.NAMED_SECTIONS.find(name)
+    except InputError as error:
+        raise refusal(error.message, error.hint) from error
+    return name
+
+
+SectionWord = Annotated[str, AfterValidator(_check_section_word)]
 TubeSection = Annotated[
     Annotated[SectionWord, Tag("<word>")] | Annotated[SectionSteps, Tag("<words>")],
     Discriminator(_tag_of_line_types),
@@ -171,7 +181,32 @@ class FilePattern(Model):
     )
 
 
-_KINDS: dict[str, type[Model]] = {"grid": GridPattern, "tube": TubePattern, "file": FilePattern}
+class FamilyPattern(Model):
+    """A pattern that a registered function makes; further keys are its parameters."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    kind: Literal["family"] = Field(description="a pattern that a registered function makes")
+    family: Annotated[str, Field(min_length=1)] = Field(
+        description="name of a pattern family that @inverse.pattern_family registered; further keys are its parameters"
+    )
+    size: Annotated[tuple[FacetCount, FacetCount], row("m", "n")] = Field(
+        description="size [m, n] that the function is given, each from 1 to 512"
+    )
+    turn: Turn = Field(default=0, description="turn of the placed pattern in plan, 0 or 90 degrees")
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Those of the function, by name."""
+        return dict(self.model_extra or {})
+
+
+_KINDS: dict[str, type[Model]] = {
+    "grid": GridPattern,
+    "tube": TubePattern,
+    "file": FilePattern,
+    "family": FamilyPattern,
+}
 
 
 def _check_pattern(value: Any) -> Any:
@@ -196,7 +231,8 @@ def _tag_of_pattern(value: Any) -> str:
 PatternKeys = Annotated[
     Annotated[GridPattern, Tag("<GridPattern>")]
     | Annotated[TubePattern, Tag("<TubePattern>")]
-    | Annotated[FilePattern, Tag("<FilePattern>")],
+    | Annotated[FilePattern, Tag("<FilePattern>")]
+    | Annotated[FamilyPattern, Tag("<FamilyPattern>")],
     Discriminator(_tag_of_pattern),
     BeforeValidator(_check_pattern),
 ]

@@ -27,8 +27,8 @@ from inverse.spec.fields import (
     word,
 )
 from inverse.spec.footprint import FootprintKeys, FootprintLimits
-from inverse.spec.pattern import FilePattern, GridPattern, PatternKeys, TubePattern
-from inverse.spec.target import BetweenKeys, HeightKeys, MeshKeys, TargetKeys, TubeKeys
+from inverse.spec.pattern import FamilyPattern, FilePattern, GridPattern, PatternKeys, TubePattern
+from inverse.spec.target import BetweenKeys, HeightKeys, MeshKeys, SurfaceKeys, TargetKeys, TubeKeys
 from inverse.spec.validation import validate
 from inverse.spec.yaml_source import Source
 
@@ -38,6 +38,7 @@ __all__ = [
     "Circle",
     "Constraints",
     "ContextKeys",
+    "FamilyPattern",
     "FilePattern",
     "FitKeys",
     "FootprintKeys",
@@ -51,6 +52,7 @@ __all__ = [
     "Plane",
     "SolverKeys",
     "Specification",
+    "SurfaceKeys",
     "TubeKeys",
     "TubePattern",
     "load",
@@ -186,6 +188,11 @@ class Constraints(Model):
     )
     keep_out: tuple[KeepOut, ...] = Field(default=(), description="half-spaces that the design stays out of")
     footprint: FootprintLimits | None = Field(default=None, description="the box that a state has to fit into")
+    own: dict[str, Annotated[tuple[Number | None, Number | None], row("low", "high")] | None] = Field(
+        default_factory=dict,
+        description="constraints that @inverse.constraint registered, by name: bounds [low, high], null for none on a"
+        " side, angles in degrees; null instead for those they were registered with",
+    )
 
 
 class SolverKeys(Model):
@@ -211,9 +218,9 @@ class Specification(Model):
         Literal["unit", "m", "cm", "mm", "um", "nm", "in"],
         word("unit", {"unit": "none", "m": "", "cm": "", "mm": "", "um": "", "nm": "", "in": "inches"}),
     ] = Field(default="m", description="unit of every length: unit (none), m, cm, mm, um, nm or in")
-    pattern: PatternKeys = Field(description="the pattern and its seed, of kind grid, tube or file")
+    pattern: PatternKeys = Field(description="the pattern and its seed, of kind grid, tube, file or family")
     context: ContextKeys | None = Field(default=None, description="the buildings around, if there are any")
-    target: TargetKeys = Field(description="the target surface, by exactly one of mesh, height, between and axis")
+    target: TargetKeys = Field(description="the target, by exactly one of mesh, height, between, axis and surface")
     fit: FitKeys = Field(default=FitKeys(), description="what is fitted to the target")
     objectives: dict[str, Annotated[Number, Field(ge=0)]] = Field(
         default_factory=dict, description="weights of objective terms by their names, each at least 0"

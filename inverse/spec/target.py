@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from inverse.errors import InputError
 from inverse.spec.fields import (
@@ -133,19 +133,35 @@ class TubeKeys(Model):
     )
 
 
+class SurfaceKeys(Model):
+    """A target surface that a registered function makes; further keys are its parameters."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    surface: Annotated[str, Field(min_length=1)] = Field(
+        description="name of a target surface that @inverse.target registered; further keys are its parameters"
+    )
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Those of the function, by name."""
+        return dict(self.model_extra or {})
+
+
 _TARGETS: dict[str, type[Model]] = {
     "mesh": MeshKeys,
     "height": HeightKeys,
     "between": BetweenKeys,
     "axis": TubeKeys,
+    "surface": SurfaceKeys,
 }
 
 
 def _check_target(value: Any) -> Any:
     if isinstance(value, BaseModel):
         return value
-    if isinstance(value, Mapping) and value.get("axis") is not None:
-        return value  # its own model knows what else it takes
+    if isinstance(value, Mapping) and (value.get("axis") is not None or value.get("surface") is not None):
+        return value  # their own models know what else they take
     others = {name for model in _TARGETS.values() for name in model.model_fields} - set(_TARGETS)
     return exactly_one(value, "target", tuple(_TARGETS), tuple(sorted(others)))
 
@@ -153,6 +169,8 @@ def _check_target(value: Any) -> Any:
 def _tag_of_target(value: Any) -> str:
     if isinstance(value, BaseModel):
         return f"<{type(value).__name__}>"
+    if value.get("surface") is not None:
+        return "<SurfaceKeys>"
     if "axis" in value:
         return "<TubeKeys>"
     return next(f"<{model.__name__}>" for key, model in _TARGETS.items() if key in value)
@@ -162,7 +180,8 @@ TargetKeys = Annotated[
     Annotated[MeshKeys, Tag("<MeshKeys>")]
     | Annotated[HeightKeys, Tag("<HeightKeys>")]
     | Annotated[BetweenKeys, Tag("<BetweenKeys>")]
-    | Annotated[TubeKeys, Tag("<TubeKeys>")],
+    | Annotated[TubeKeys, Tag("<TubeKeys>")]
+    | Annotated[SurfaceKeys, Tag("<SurfaceKeys>")],
     Discriminator(_tag_of_target),
     BeforeValidator(_check_target),
 ]

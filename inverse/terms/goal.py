@@ -10,6 +10,7 @@ import numpy as np
 from inverse._types import FloatArray
 from inverse.model import DesignModel
 from inverse.surfaces import Target
+from inverse.terms.carried import Carried
 from inverse.terms.fitting import Fitting
 from inverse.terms.packed import Packed
 
@@ -22,11 +23,13 @@ class Goal:
         fitting: model and target.
         packed: states whose extents are measured or limited, with variables of their own.
         origin: (3,) point of the specification's coordinates that those of model and target are relative to.
+        carried: functions of all vertices whose values have variables of their own.
     """
 
     fitting: Fitting
     packed: tuple[Packed, ...] = ()
     origin: FloatArray = field(default_factory=lambda: np.zeros(3))
+    carried: tuple[Carried, ...] = ()
 
     @property
     def model(self) -> DesignModel:
@@ -39,9 +42,14 @@ class Goal:
         return self.fitting.target
 
     @property
+    def _blocks(self) -> list[Packed | Carried]:
+        """What has variables after the model's, in their order."""
+        return [*self.packed, *self.carried]
+
+    @property
     def n_variables(self) -> int:
-        """Length of the vector of variables: the model's, then those of the packed states."""
-        return self.model.n_variables + sum(state.n_variables for state in self.packed)
+        """Length of the vector of variables: the model's, those of the packed states, then values carried."""
+        return self.model.n_variables + sum(block.n_variables for block in self._blocks)
 
     @cached_property
     def seed_variables(self) -> FloatArray:
@@ -51,4 +59,4 @@ class Goal:
     def start(self, points: FloatArray) -> FloatArray:
         """Variables (n_variables,) of a design with vertices (V, 3) in the seed's unit; packed states are folded."""
         own = self.model.to_dimensionless(points)
-        return np.concatenate([own.ravel(), *(state.start(own) for state in self.packed)])
+        return np.concatenate([own.ravel(), *(block.start(own) for block in self._blocks)])

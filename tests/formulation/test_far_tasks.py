@@ -130,10 +130,10 @@ def test_near_the_origin_nothing_is_moved(folder: Path) -> None:
 @pytest.mark.usefixtures("registered")
 def test_terms_of_ones_own_are_told_the_coordinates_of_the_specification(folder: Path) -> None:
     found = []
-    for offset in (HOME, NATIONAL):
-        objectives.register("level", lambda points, level=offset[2]: points[:, 2] - level)
-        result = inverse.solve(task(folder, **height(offset, folder), objectives={"level": 1.0, "fit": 0.0}))
-        assert result.report["objective"]["level"] < 0.1
+    for name, offset in (("near", HOME), ("far", NATIONAL)):
+        objectives.objective(name, per="mesh")(lambda points, _, level=offset[2]: points[:, 2] - level)
+        result = inverse.solve(task(folder, **height(offset, folder), objectives={name: 1.0, "fit": 0.0}))
+        assert result.report["objective"][name] < 0.1
         found.append(result.design.vertices_coords - offset)
     assert_close(found[1], found[0], 1e-6)
 

@@ -7,7 +7,7 @@ and is not built below fails ``test_every_term_is_here``.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -160,17 +160,15 @@ GOALS: dict[str, tuple[Callable[[], Target], objectives.FitPoints]] = {
 }
 
 
-def spread(points: casadi.SX) -> casadi.SX:
+def spread(points: casadi.SX, _: casadi.SX) -> casadi.SX:
     """An objective of a user's own: squared distances of vertices from the next ones, and one angle."""
     step = points[1:, :] - points[:-1, :]
     return casadi.vertcat(casadi.sum2(step**2), casadi.atan2(points[0, 0] + 9, points[1, 1] - 8))
 
 
 @pytest.fixture
-def own_objective() -> Iterator[None]:
-    inverse.register_objective("spread", spread, default_weight=0.1)
-    yield
-    del OBJECTIVES["spread"]
+def own_objective(registered: object) -> None:
+    inverse.objective("spread", per="mesh", weight=0.1)(spread)
 
 
 @dataclass(frozen=True)

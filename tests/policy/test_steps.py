@@ -332,7 +332,7 @@ def test_flattened_targets(share: float) -> None:
     ],
 )
 def test_a_term_that_is_not_a_number_is_named_at_once(function: Any) -> None:
-    objectives.register("mine", function)
+    objectives.objective("mine", per="mesh")(lambda points, _: function(points))
     result = inverse.solve(task(objectives={"mine": 1.0}))
     assert result.ending == "not_a_number"
     assert "mine at vertices 0, 1, 2, 3" in result.status
@@ -352,10 +352,11 @@ def test_a_target_without_a_slope_is_told_in_numbers_or_not_at_all() -> None:
 
 
 @pytest.mark.usefixtures("registered")
-def test_no_number_beyond_a_wall_is_a_wall(registered: dict[str, objectives.Term]) -> None:
+def test_no_number_beyond_a_wall_is_a_wall() -> None:
     """A term may lack a value where no design needs to go: the solver steps back from there."""
     highest = float(dome().design.vertices_coords[:, 2].max())
-    objectives.register("wall", lambda points: 1e-3 * casadi.log(highest + 0.005 - points[:, 2]))
+    wall = objectives.objective("wall", per="mesh")
+    wall(lambda points, _: 1e-3 * casadi.log(highest + 0.005 - points[:, 2]))
     result = inverse.solve(task(objectives={"wall": 1e-6}))
     assert_good(result)
 

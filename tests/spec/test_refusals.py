@@ -28,7 +28,7 @@ def refusal(tmp_path: Path) -> Any:
 
 
 LINES = "is no line type: allowed are FL (foldline), CFL (complementary foldline)."
-TARGETS = "mesh, height, between, axis"
+TARGETS = "mesh, height, between, axis, surface"
 PLACES = "point, polyline, polygon, plane, circle"
 UNITS = "unit (none), m, cm, mm, um, nm, in (inches)"
 TO = "{polyline: [[0, 0, 0], [1, 0, 0]]}"
@@ -85,8 +85,8 @@ WORDS = [
     ("u_lines: FL", "u_lines: |LF", f'"LF" {LINES} Did you mean FL?\n'),
     ("u_lines: FL", "u_lines: [FL, |CLF]", f'"CLF" {LINES} Did you mean CFL?\n'),
     ("u_lines: FL", "u_lines: |3", f"3 {LINES}\n"),
-    ("kind: grid", "kind: |gird", '"gird" is no kind of pattern: allowed are grid, tube, file. Did you mean grid?'),
-    ("kind: grid", "kind: |[grid]", '["grid"] is no kind of pattern: allowed are grid, tube, file.\n'),
+    ("kind: grid", "kind: |gird", '"gird" is no kind of pattern: allowed are grid, tube, file, family. Did you'),
+    ("kind: grid", "kind: |[grid]", '["grid"] is no kind of pattern: allowed are grid, tube, file, family.\n'),
     ("kind: grid", "kind: grid\n  turn: |45", "45 is no turn of a pattern: allowed are 0, 90.\n"),
     ("kind: grid", "kind: grid\n  turn: |true", "true is no turn of a pattern"),
     ("units: m", "units: |pt", f'"pt" is no unit: allowed are {UNITS}.\n'),

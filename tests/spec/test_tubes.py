@@ -45,7 +45,7 @@ TARGET = f"{AXIS}\n  {RADIUS}"
         (SECTION, "section: |[[1, 1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 3]]", "the section does not close"),
         (SECTION, "section: |[[1, 1, 1], [-1, -1, 1], [1, -1, 1], [-1, 1, 1]]", "section steps (1, 1) and (-1, -1)"),
         (SECTION, "section: |plus", "the section has 12 steps, but the tube has 4 facets around"),
-        (SECTION, "section: |pluss", '"pluss" is no section: allowed are 4-gon, 6-gon, 8-gon, 10-gon, plus, L.'),
+        (SECTION, "section: |pluss", "'pluss' is no section: registered are 10-gon, 4-gon, 6-gon, 8-gon, L, plus."),
         (SECTION, "section: [[1, |2, 1], [1, -1, 1], [-1, -1, 2], [-1, 1, 1]]", "2 is no sign: allowed are 1, -1."),
         (SECTION, "|lengths_v: [1, 2]", "lengths_v has 2 lengths, but the tube has 3 rows"),
         (SECTION, "turn: |left", 'pattern.turn is "left": it must be a number'),
