@@ -16,7 +16,7 @@ FRONT = {"__init__", "__main__", "cli"}  # these may take public names from the 
 
 # Room -> the rooms it may import. A room is a module or a folder of inverse/; in `fabricate`, which has folders of its
 # own, each of these and each file beside them. Inside a room all may import all.
-GROUND = {"_types", "errors", "words", "crossing", "limits", "interrupts"}
+GROUND = {"_types", "errors", "words", "crossing", "limits", "interrupts", "extensions", "registry", "makers"}
 ARROWS: dict[str, set[str]] = {
     "_types": set(),
     "errors": set(),
@@ -24,6 +24,9 @@ ARROWS: dict[str, set[str]] = {
     "interrupts": set(),
     "crossing": {"_types"},
     "limits": {"errors"},
+    "extensions": {"errors"},
+    "registry": {"errors", "words", "extensions"},
+    "makers": {"errors", "words", "extensions"},
     "origami": GROUND,
     "nlp": GROUND,
     "files": GROUND | {"origami"},
@@ -58,7 +61,7 @@ ARROWS: dict[str, set[str]] = {
     "policy": GROUND | {"origami", "nlp", "files", "surfaces", "spec", "terms", "solvers", "formulation", "certify"},
     "results": GROUND
     | {"origami", "nlp", "files", "spec", "terms", "formulation", "certify", "policy", "context", "pictures", "repair"},
-    "solve": {"origami", "files", "spec", "certify", "policy", "results"},
+    "solve": {"origami", "files", "surfaces", "spec", "formulation", "certify", "policy", "results"},
     # Leaves and front doors: no room above imports them.
     "fabricate/units": set(),
     "fabricate/extras": GROUND,
@@ -108,9 +111,11 @@ ARROWS: dict[str, set[str]] = {
         "files",
         "surfaces",
         "spec",
+        "terms",
         "objectives",
         "solvers",
         "certify",
+        "policy",
         "dragging",
         "repair",
         "results",
