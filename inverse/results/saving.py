@@ -50,14 +50,16 @@ def output_folder(name: str, given: Path | None) -> Path:
 def keeps_earlier(result: Result, folder: Path) -> bool:
     """Whether an interrupted run has nothing that may replace what an earlier one left in a folder.
 
-    That is certified, and this run's is not, or is the seed that it began with.
+    What was certified and converged stays; what was certified alone stays if this run's design is not, or is the seed
+    that it began with.
     """
     try:
-        earlier = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))["certified"] is True
+        told = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+        certified, converged = told["certified"] is True, told["converged"] is True
     except (OSError, ValueError, TypeError, KeyError):
         return False
-    found = result.certified and result.iterations > 0
-    return result.interrupted and earlier and not found and (folder / "design.fold").exists()
+    found = result.certified and result.iterations > 0 and not converged
+    return result.interrupted and certified and not found and (folder / "design.fold").exists()
 
 
 @dataclass(frozen=True)

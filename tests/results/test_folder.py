@@ -259,14 +259,16 @@ def interrupted(run: Run, *, certified: bool, iterations: int) -> Run:
 
 
 @pytest.mark.parametrize(
-    ("certified", "iterations", "keeps"), [(False, 5, True), (True, 0, True), (True, 5, False)]
-)  # fmt: skip
+    ("converged", "certified", "iterations", "keeps"),
+    [(False, False, 5, True), (False, True, 0, True), (False, True, 5, False), (True, True, 5, True)],
+)
 def test_an_interrupted_run_does_not_replace_a_certified_design_by_less(
-    certified: bool, iterations: int, keeps: bool, specifications: dict[str, Path], runs: dict[str, Run],
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+    converged: bool, certified: bool, iterations: int, keeps: bool, specifications: dict[str, Path],
+    runs: dict[str, Run], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
+    """Not by one that is not certified, or the seed; nor one that converged too by one that did not."""
     out, other = tmp_path / "out", tmp_path / "out.interrupted"
-    put(runs["one"], out)
+    put(replace(runs["one"], converged=converged), out)
     result = interrupted(runs["two"], certified=certified, iterations=iterations)
     monkeypatch.setattr(inverse, "solve", lambda *_, **__: result)
     assert commands.run(["solve", str(specifications["two"]), "-o", str(out)]) == 3
