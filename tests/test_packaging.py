@@ -73,6 +73,13 @@ def test_what_is_imported_is_declared_and_nothing_else() -> None:
     assert required & extra == set()
 
 
+def test_the_lower_bounds_are_what_the_oldest_libraries_are() -> None:
+    locked = dict(re.findall(r"^(\S+)==(\S+)", (ROOT / "requirements-oldest.lock").read_text(), re.MULTILINE))
+    for requirement in PROJECT["dependencies"] + PROJECT["optional-dependencies"]["fabricate"]:
+        name, bound = requirement.split(">=")
+        assert re.fullmatch(rf"{re.escape(bound)}(\.0)*", locked[canonical(name)]), requirement
+
+
 def test_the_version_is_one() -> None:
     assert PROJECT["version"] == inverse.__version__
 

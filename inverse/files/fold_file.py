@@ -74,12 +74,23 @@ def _root(design: Design, fold_angles: FloatArray) -> dict[str, Any]:
 
 
 def write(design: Design, path: Path | str) -> None:
-    """Write a design file, whole or not at all; coordinates keep every bit."""
+    """Write a design file, whole or not at all; coordinates keep every bit.
+
+    Args:
+        design: the mesh in its design state.
+        path: the file, replaced if it is there.
+    """
     write_atomically(Path(path), json.dumps(document(design), allow_nan=False) + "\n")
 
 
 def read(path: Path | str) -> Design:
     """Read a design file; :func:`write` followed by :func:`read` gives the same design.
+
+    Args:
+        path: a FOLD file of this kind.
+
+    Returns:
+        The design.
 
     Raises:
         InputError: the file is not a valid design, see :func:`inverse.files.fold_format.read_frame` and

@@ -75,6 +75,9 @@ def grid_pattern(size: tuple[int, int], u_lines: Word = "FL", v_lines: Word = "F
         u_lines: type of the m - 1 interior lines crossed by walking along u, one word for all or a list.
         v_lines: type of the n - 1 interior lines crossed by walking along v.
 
+    Returns:
+        The pattern, without coordinates.
+
     Raises:
         InputError: a size below 1, a word other than FL and CFL, or a wrong number of words.
     """
@@ -169,6 +172,9 @@ def section_types(section: Section) -> list[int]:
     Args:
         section: steps (n, a, length) around, see :func:`tube`.
 
+    Returns:
+        FL or CFL for each step.
+
     Raises:
         InputError: the section does not close at every fold state (the message gives the missing lengths),
             or two steps differ in both signs or in none.
@@ -217,6 +223,9 @@ def tube(
         lengths: n_rows row lengths, 1 if not given.
         unit: length unit.
         name: title.
+
+    Returns:
+        The tube in its design state, its axis along z.
 
     Raises:
         InputError: the section does not close at every fold state (the message gives the missing lengths),

@@ -276,6 +276,9 @@ def load(
         folder: where the files that it names are looked up: beside the file, or for a mapping in the working folder,
             if None.
 
+    Returns:
+        The validated specification, with its source for messages.
+
     Raises:
         InputError: for the first fault in the file or mapping, or else in the overrides, with its place.
     """
