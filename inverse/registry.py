@@ -41,7 +41,7 @@ class Registry(Mapping[str, T], Generic[T]):
         Raises:
             InputError: the name is no word, or taken.
         """
-        if not _NAME.fullmatch(str(name)):
+        if str(name) != name or not _NAME.fullmatch(name):
             raise InputError(
                 f"{name!r} cannot name {self.what}", hint="A name is made of letters, digits, _ and - within."
             )

@@ -28,6 +28,7 @@ from inverse.spec import (
     BetweenKeys,
     FamilyPattern,
     FilePattern,
+    GridPattern,
     HeightKeys,
     Loaded,
     SurfaceKeys,
@@ -93,7 +94,8 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
     origin = NOWHERE if isinstance(given.target, TubeTarget) else _origin(target)
     if origin.any():
         target = build_target(loaded, origin, given)
-    seed = within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin, given))
+    made = _made(loaded, given)
+    seed = within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin, made))
     if isinstance(target, TubeTarget) and not (is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
         raise loaded.source.error(
             ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
@@ -243,19 +245,29 @@ def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
     return target
 
 
-def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, given: Given = NOTHING) -> Design:
-    """The seed, placed over the target's plan; one that keeps its position is moved to the origin (3,)."""
+def _made(loaded: Loaded, given: Given) -> Design | None:
+    """The pattern's seed as a caller or a user's function gives it, if one does."""
+    pattern = loaded.specification.pattern
+    if given.design is None and isinstance(pattern, FamilyPattern):
+        return called(loaded, "pattern", "family", PATTERN_FAMILIES, pattern.parameters, *pattern.size)
+    return given.design
+
+
+def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, made: Design | None = None) -> Design:
+    """The seed, placed over the target's plan; one that keeps its position is moved to the origin (3,).
+
+    Args:
+        loaded: the specification.
+        target: the target, relative to the origin.
+        origin: (3,).
+        made: the pattern's seed, where it is not built in and from no file.
+    """
     specification = loaded.specification
     pattern, unit, name = specification.pattern, specification.units, specification.name
-    if given.design is not None or isinstance(pattern, FilePattern | FamilyPattern):
-        if given.design is not None:
-            seed = given.design
-        elif isinstance(pattern, FamilyPattern):
-            seed = called(loaded, "pattern", "family", PATTERN_FAMILIES, pattern.parameters, *pattern.size)
-        else:
-            assert isinstance(pattern, FilePattern)
-            seed = fold_file.read(loaded.folder / pattern.file)
-        seed = Design(seed.pattern, seed.vertices_coords, unit, name)
+    if made is None and isinstance(pattern, FilePattern):
+        made = fold_file.read(loaded.folder / pattern.file)
+    if made is not None:
+        seed = Design(made.pattern, made.vertices_coords, unit, name)
         if isinstance(pattern, FilePattern) and pattern.keep_position:
             return seed.moved_to(seed.vertices_coords - origin)
         turn = pattern.turn if isinstance(pattern, FilePattern | FamilyPattern) else 0
@@ -273,6 +285,8 @@ def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, giv
 
         rows = np.ones(pattern.size[1]) if lengths is None else np.array(lengths)
         return placement.place_tube(make_tube, target.frame, lengths=rows, turn=float(np.radians(pattern.turn)))
+
+    assert isinstance(pattern, GridPattern)  # all others are made by now
 
     def make(lengths_u: FloatArray, lengths_v: FloatArray) -> Design:
         return seeds.grid(

@@ -61,7 +61,9 @@ NOTHING = Given()
 def _weight(given: object) -> tuple[str, float]:
     term, *more = given if isinstance(given, tuple) else (given,)
     if not isinstance(term, OwnObjective) or len(more) > 1:
-        raise InputError(f"{given!r} is no objective: a term that @inverse.objective made is wanted, or (term, weight)")
+        raise InputError(
+            f"{_shown(term)} is no objective: a term that @inverse.objective made is wanted, or (term, weight)"
+        )
     weight = finite(more[0], f"the weight of {term}") if more else term.weight
     if weight < 0 or not (weight or more):
         raise InputError(f"{term} has the weight {weight:g}", hint="Give (term, weight) with a weight above 0.")
