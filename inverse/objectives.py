@@ -9,10 +9,10 @@ import casadi
 import numpy as np
 
 from inverse.errors import InputError
+from inverse.extending.registry import Registry
 from inverse.nlp.kernels import Elements, Kernel
 from inverse.nlp.term import Objective
 from inverse.origami import geometry
-from inverse.registry import Registry
 from inverse.terms.carried import Carried
 from inverse.terms.goal import Goal
 from inverse.terms.own import Function, Own, Per, finite

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import settings
 
 from inverse import objectives
+from inverse.extending.registry import Registry
 from inverse.origami import families, seeds
 from inverse.policy import measures
-from inverse.registry import Registry
 from inverse.surfaces import named
 from inverse.terms import own_constraints
 

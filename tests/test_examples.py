@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
-PAGES = sorted(page for page in (ROOT / "docs" / "extending").glob("*.md") if page.name != "README.md")
+PAGES = sorted(page for page in (ROOT / "docs" / "extending").glob("*.md") if page.name != "index.md")
 
 
 @pytest.mark.usefixtures("registered")
@@ -30,7 +30,7 @@ def test_pages_show_their_example(page: Path) -> None:
 def test_every_example_has_a_page() -> None:
     pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs" / "extending").glob("*.md"))
     assert {path.name for path in EXAMPLES} == set(re.findall(r"examples/(\w+\.py)\)", pages))
-    listed = (ROOT / "docs" / "extending" / "README.md").read_text(encoding="utf-8")
+    listed = (ROOT / "docs" / "extending" / "index.md").read_text(encoding="utf-8")
     assert all(f"({page.name})" in listed for page in PAGES)
 
 

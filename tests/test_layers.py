@@ -16,7 +16,7 @@ FRONT = {"__init__", "__main__", "cli"}  # these may take public names from the 
 
 # Room -> the rooms it may import. A room is a module or a folder of inverse/; in `fabricate`, which has folders of its
 # own, each of these and each file beside them. Inside a room all may import all.
-GROUND = {"_types", "errors", "words", "crossing", "limits", "interrupts", "extensions", "registry", "makers"}
+GROUND = {"_types", "errors", "words", "crossing", "limits", "interrupts", "extending"}
 ARROWS: dict[str, set[str]] = {
     "_types": set(),
     "errors": set(),
@@ -24,9 +24,7 @@ ARROWS: dict[str, set[str]] = {
     "interrupts": set(),
     "crossing": {"_types"},
     "limits": {"errors"},
-    "extensions": {"errors"},
-    "registry": {"errors", "words", "extensions"},
-    "makers": {"errors", "words", "extensions"},
+    "extending": {"errors", "words"},
     "origami": GROUND,
     "nlp": GROUND,
     "files": GROUND | {"origami"},

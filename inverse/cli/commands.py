@@ -60,7 +60,7 @@ def solve(
     with interrupts.held(stop):
         from inverse import solve as run
         from inverse import spec
-        from inverse.extensions import load_file
+        from inverse.extending.loading import load_file
         from inverse.results import saving
         from inverse.results.folder import Results
 

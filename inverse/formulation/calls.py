@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
+from inverse.extending.makers import Maker
+from inverse.extending.registry import Registry
 from inverse.formulation.within import within
-from inverse.makers import Maker
-from inverse.registry import Registry
 from inverse.spec import Loaded
 
 T = TypeVar("T")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from inverse.makers import Maker
+from inverse.extending.makers import Maker
+from inverse.extending.registry import Registry
 from inverse.origami.pattern import Design
-from inverse.registry import Registry
 
 F = TypeVar("F", bound=Callable[..., Design])
 

@@ -14,9 +14,9 @@ import numpy as np
 from inverse._types import FloatArray, IntArray
 from inverse.crossing import crossing_facets
 from inverse.errors import InputError
+from inverse.extending.registry import Registry
 from inverse.origami.geometry import diagonal
 from inverse.origami.pattern import CFL, FL, Design, Pattern
-from inverse.registry import Registry
 
 Word = str | Sequence[str]
 Section = Sequence[tuple[int, int, float]]

@@ -11,11 +11,11 @@ import numpy as np
 from inverse._types import FloatArray
 from inverse.crossing import triangles_of
 from inverse.errors import InputError
-from inverse.extensions import told
+from inverse.extending.loading import told
+from inverse.extending.registry import Registry
 from inverse.origami import footprint as folded
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
-from inverse.registry import Registry
 from inverse.surfaces.mesh import MeshTarget
 from inverse.terms.goal import Goal
 from inverse.terms.packed import SIDES

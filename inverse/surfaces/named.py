@@ -8,8 +8,8 @@ from typing import TypeVar
 import casadi
 
 from inverse._types import FloatArray, IntArray
-from inverse.makers import Maker
-from inverse.registry import Registry
+from inverse.extending.makers import Maker
+from inverse.extending.registry import Registry
 from inverse.surfaces.base import ClosestPoints, Frame, Target
 from inverse.surfaces.mesh import MeshTarget
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
-from inverse.extensions import told
+from inverse.extending.loading import told
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel, Residual
 from inverse.origami.pattern import Pattern

@@ -9,9 +9,9 @@ import numpy as np
 
 from inverse._types import FloatArray
 from inverse.errors import InputError
+from inverse.extending.registry import Registry
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
-from inverse.registry import Registry
 from inverse.terms.own import Function, Own, Per, by_sides
 
 Range = tuple[float, float]

@@ -9,7 +9,7 @@ import pytest
 
 import inverse
 from inverse import InputError
-from inverse.registry import Registry
+from inverse.extending.registry import Registry
 
 
 def test_items_are_found_by_name() -> None:

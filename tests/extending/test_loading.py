@@ -13,8 +13,9 @@ from typing import Any
 import pytest
 
 import inverse
-from inverse import InputError, extensions
+from inverse import InputError
 from inverse.cli import commands
+from inverse.extending import loading
 from inverse.formulation.formulate import formulate
 from inverse.policy import measures
 
@@ -80,7 +81,7 @@ def test_faults_of_a_file_are_sentences(
     path = tmp_path / "terms.py"
     path.write_text(text)
     with pytest.raises(InputError, match=FILES[text]) as caught:
-        extensions.load_file(path)
+        loading.load_file(path)
     assert caught.value.__cause__ is not None
     assert run("solve", spec, "--with", path, "-o", tmp_path / "out") == 2
     told = capsys.readouterr().err
@@ -119,10 +120,10 @@ def installed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]
     (folder / "mine-1.0.dist-info" / "entry_points.txt").write_text("[inverse.terms]\nmine = mine_terms\n")
     monkeypatch.syspath_prepend(str(folder))
     importlib.invalidate_caches()
-    extensions.load_installed.cache_clear()
+    loading.load_installed.cache_clear()
     yield folder / "mine_terms.py"
     sys.modules.pop("mine_terms", None)
-    extensions.load_installed.cache_clear()
+    loading.load_installed.cache_clear()
 
 
 def test_installed_packages_are_imported_for_what_is_unknown(installed: Path, spec: Path) -> None:

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Generic, TypeVar
 
-from inverse import extensions
 from inverse.errors import InputError
+from inverse.extending import loading
 from inverse.words import did_you_mean
 
 T = TypeVar("T")
@@ -63,7 +63,7 @@ class Registry(Mapping[str, T], Generic[T]):
             InputError: there is none, with the names there are and the nearest.
         """
         if name not in self._items:
-            extensions.load_installed()
+            loading.load_installed()
         if name not in self._items:
             known = ", ".join(sorted(self._items)) or "none"
             raise InputError(f"{name!r} is no {self._noun}: registered are {known}.{did_you_mean(name, self._items)}")

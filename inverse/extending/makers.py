@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from inverse.errors import InputError
-from inverse.extensions import told
+from inverse.extending.loading import told
 from inverse.words import did_you_mean
 
 T = TypeVar("T")

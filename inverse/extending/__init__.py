@@ -1,0 +1,1 @@
+"""Functions of users: brought in, registered by name, and called by it."""
