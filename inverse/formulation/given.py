@@ -37,10 +37,10 @@ class Given:
     @classmethod
     def of(
         cls,
-        objectives: Sequence[GivenObjective],
-        constraints: Sequence[GivenConstraint],
-        target: Target | None,
-        design: Design | None,
+        objectives: Sequence[GivenObjective] = (),
+        constraints: Sequence[GivenConstraint] = (),
+        target: Target | None = None,
+        design: Design | None = None,
     ) -> Given:
         """The same from what callers write.
 

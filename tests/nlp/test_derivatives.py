@@ -36,7 +36,7 @@ from inverse.terms import separation
 from inverse.terms.goal import Goal
 from inverse.terms.packed import Packed
 from inverse.terms.surface_fit import SurfaceFitting
-from inverse.terms.tube_fit import TubeFitting
+from inverse.terms.tube_fit import TubeFitting, is_tube
 
 MESHES: dict[str, Callable[[], Design]] = {
     "grid": lambda: hybrid(2),
@@ -202,7 +202,8 @@ def targeted(mesh: str, goal: str, terms: tuple[str, ...]) -> Task:
     t, measure = {"facets": (np.pi, "extent"), "vertices": (0.0, "area"), "layer": (1.2, "extent")}[points]
     boxed = Packed(model, t, measure, np.full(2 if t in (0, np.pi) else 3, np.inf), np.inf, model.n_variables)
     target = make()
-    fitting = TubeFitting(model, target) if isinstance(target, TubeTarget) else SurfaceFitting(model, target, points)
+    rings = isinstance(target, TubeTarget) and is_tube(model.pattern)
+    fitting = TubeFitting(model, target) if rings else SurfaceFitting(model, target, points)
     about = Goal(fitting, (boxed,))
     blocks = {term: objectives.build(about, {t: float(t == term) for t in OBJECTIVES}) for term in terms}
     hard = constraints.hard_constraints(model, BOUNDS)

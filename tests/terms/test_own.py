@@ -15,6 +15,7 @@ from domes import dome, task
 import inverse
 from inverse import InputError, objectives
 from inverse.formulation.formulate import Formulation, formulate
+from inverse.formulation.given import Given
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
@@ -80,9 +81,9 @@ def formulated(name: str, kind: str, design: inverse.Design | None = None, **key
     per, unit, function = TERMS[name]
     if kind == "objective":
         term = inverse.objective(name, per=per, unit=unit)(function)
-        return formulate(task(**keys), objectives=[(term, 0.7)], design=design)
+        return formulate(task(**keys), given=Given.of(objectives=[(term, 0.7)], design=design))
     bounded = inverse.constraint(name, per=per, unit=unit)(function)
-    return formulate(task(**keys), constraints=[(bounded, -10, None)], design=design)
+    return formulate(task(**keys), given=Given.of(constraints=[(bounded, -10, None)], design=design))
 
 
 # ---- derivatives
@@ -199,7 +200,7 @@ def test_bounds_are_degrees_in_specifications_and_radians_in_python() -> None:
 
     def limits(**given: Any) -> tuple[float, float]:
         keys = {"constraints": {"own": given.pop("own")}} if "own" in given else {}
-        (found,) = [c for c in formulate(task(**keys), **given).fixed if c.name == "tilt"]
+        (found,) = [c for c in formulate(task(**keys), given=Given.of(**given)).fixed if c.name == "tilt"]
         assert (found.lower == found.lower[0]).all()
         return float(found.lower[0, 0]), float(found.upper[0, 0])
 
@@ -212,7 +213,7 @@ def test_bounds_are_degrees_in_specifications_and_radians_in_python() -> None:
 def test_rows_say_where_they_are() -> None:
     for per, label in (("vertex", "vertex 0"), ("edge", "edge 1-0"), ("facet", "facet 0"), ("mesh", "all vertices")):
         term = inverse.constraint(per, per=per, unit="length", lower=0)(lambda points, _: points[0, 2])  # type: ignore[arg-type]
-        (found,) = [c for c in formulate(task(), constraints=[term]).fixed if c.name == per]
+        (found,) = [c for c in formulate(task(), given=Given.of(constraints=[term])).fixed if c.name == per]
         assert label in found.labels
         assert len(found.labels) == found.elements.count
 
@@ -375,8 +376,8 @@ def test_terms_given_in_python() -> None:
     ]
     for keys, message in wrong:
         with pytest.raises(InputError, match=message):
-            formulate(task(), **keys)
-    found = formulate(task(objectives={"up": 3.0}), objectives=[(term, 2)])
+            formulate(task(), given=Given.of(**keys))
+    found = formulate(task(objectives={"up": 3.0}), given=Given.of(objectives=[(term, 2)]))
     assert [o.weight for o in found.objectives if o.name == "up"] == [2.0]
     assert height is term.function
     assert casadi.is_equal(*[f(casadi.SX(1, 3), casadi.SX(1, 3)) for f in (term, height)])
@@ -412,7 +413,7 @@ def test_a_term_that_knows_only_the_fine_grid() -> None:
 
 def test_a_design_and_a_target_in_place_of_those_named() -> None:
     seed, target = hybrid(2), dome().formulation.goal.target
-    made = formulate(task(target={"mesh": "nowhere.obj"}), target=target, design=seed)
+    made = formulate(task(target={"mesh": "nowhere.obj"}), given=Given.of(target=target, design=seed))
     assert made.goal.target is target
     assert made.goal.model.pattern is seed.pattern
     assert_close(made.goal.model.seed.vertices_coords.mean(axis=0), target.frame.origin, 1e-12)
