@@ -29,11 +29,8 @@ def sweep(heights):
         target = f'target.height="{height} * (sqrt(1 - x^2 - y^2) - 0.5)"'
         task = inverse.load(Path(__file__).with_name("dome.yaml"), [target, "constraints.own.slope=null"])
         result = inverse.solve(task, start=result)
-        told = result.report
-        yield {"height": height, "ending": result.ending, "iterations": told["iterations"]} | {
-            "rms": told["fit"]["rms"],
-            **told["measures"],
-        }
+        row = {"height": height, "ending": result.ending, "iterations": result.iterations, "rms": result.fit.rms}
+        yield row | dict(result.measures)
 
 
 if __name__ == "__main__":
