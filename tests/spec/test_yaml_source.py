@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inverse.errors import InputError
-from inverse.spec.yaml_source import from_mapping, read
+from inverse.spec import yaml_source
+from inverse.spec.yaml_source import Source, from_mapping
 
 TEXT = """\
 # A comment.
@@ -28,6 +30,14 @@ def file(tmp_path: Path) -> Path:
     path = tmp_path / "vault.yaml"
     path.write_text(TEXT)
     return path
+
+
+def read(path: Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], Source]:
+    """The data of a file after overrides, one after the other."""
+    data, source = yaml_source.read(path)
+    for override in overrides:
+        source.override(data, override)
+    return data, source
 
 
 def refusal(path: Path, *overrides: str) -> InputError:
