@@ -237,6 +237,21 @@ def test_rounds_end_when_closest_points_have_settled(monkeypatch: pytest.MonkeyP
     assert tried.seeds == [False]
 
 
+def test_closest_points_follow_the_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Taken at the end of each round, to see whether they have settled, and where they are aimed at before the next."""
+    for start, taken in ((None, [1, 1, 2, 2, 3]), (START, [1, 1, 1, 2, 1.5, 3])):
+        tried = Fitted(monkeypatch, [1.0, 1.0, 0.0], start=start)
+        points: list[float] = []
+
+        def refreshed(_: Any, at: At, at_points: Any, points: list[float] = points) -> At:
+            points.append(at_points[0])
+            return at
+
+        monkeypatch.setattr(module, "_refreshed", refreshed)
+        tried.run()
+        assert points == taken
+
+
 def test_without_closest_points_one_round_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     assert Fitted(monkeypatch, [1.0], exact=True).run() == "round 1"
 
