@@ -129,6 +129,19 @@ def test_what_goes_wrong_without_idle_bounds_is_done_again_with_them(end: Any, o
     assert one.relaxed_at == ["the start", f"{APPROACHING} whole"]
 
 
+def test_static_pivots_too_are_done_again_with_idle_bounds(one: Round) -> None:
+    """After them there is no use for a solver without."""
+    one.light.ends[STATIC] = (Ending.GIVEN_UP, 0.0, 1)
+    one.whole.ends[STATIC] = (Ending.NO_STEP, 0.0, 1)
+    one.go()
+    assert one.calls[1:] == [
+        f"light: {STATIC} from {APPROACHING} light",
+        f"whole: {STATIC} from {APPROACHING} light",
+        f"whole: {PIVOTED} from {STATIC} whole",
+    ]
+    assert one.relaxed_at == ["the start"]
+
+
 def test_what_came_near_is_gone_on_from(one: Round) -> None:
     """A limit that was reached within what is called near; then static pivots that stall go on with pivoting."""
     one.light.ends = {APPROACHING: (Ending.LIMIT, NEAR, 1), STATIC: (Ending.NO_STEP, NEAR, 1)}
