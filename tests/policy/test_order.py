@@ -164,9 +164,13 @@ def path(monkeypatch: pytest.MonkeyPatch, reachable: float, stop: bool = False) 
         at[0] = share
         return SOLVED
 
+    def flatter(_: Any, share: float, __: Any) -> float:
+        assert share < 1  # the whole target is what the solve is about
+        return share
+
     monkeypatch.setattr(one, "_solved", solved)
     monkeypatch.setattr(one, "_outcome", lambda point: ("the last design", point))
-    monkeypatch.setattr(steps, "formulate", lambda _, share, __: share)
+    monkeypatch.setattr(steps, "formulate", flatter)
     monkeypatch.setattr(steps, "Rounds", lambda *given: SimpleNamespace(unsolved=lambda: given[-1]))
     return tried, one, one._along_a_path(STALLED)
 
