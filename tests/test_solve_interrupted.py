@@ -117,12 +117,12 @@ def test_a_signal_before_there_is_a_design(
     module = importlib.import_module("inverse.results.making")
     formulate = module.formulate
 
-    def in_casadi(*given: Any) -> Any:
+    def in_casadi(*given: Any, **more: Any) -> Any:
         try:
             signal.raise_signal(number)
         except KeyboardInterrupt:
             raise SystemError("returned a result with an exception set") from None
-        return formulate(*given)
+        return formulate(*given, **more)
 
     monkeypatch.setattr(module, "formulate", in_casadi)
     before = signal.getsignal(number)

@@ -84,3 +84,107 @@ def test_an_asked_range_of_the_motion_is_kept_open() -> None:
     assert low <= 5
     assert high >= 160
     assert after.report["fit"]["mean_over_radius"] < 0.01
+
+
+# ---- the side that a facet lies on
+
+
+FLAT = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]  # facet 0, its plane z = 0
+
+
+def side(*points: list[float], faces: list[tuple[int, ...]] | None = None) -> separation.Side | None:
+    """Of a facet on ``points`` beside the flat one."""
+    faces = faces or [(0, 1, 2), tuple(range(3, 3 + len(points)))]
+    return separation.side_of(faces, np.array([*FLAT, *points], float), (0, 1))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_facet_lies_on_one_side_by_the_least_of_its_heights(sign: int) -> None:
+    """The other facet leans, so that its own plane passes through the flat one."""
+    found = side([0, 0, 0.2 * sign], [1, 0, 0.2 * sign], [0, 1, 0.7 * sign])
+    assert found == separation.Side(0, (3, 4, 5), sign, pytest.approx(0.2))
+
+
+def test_the_plane_that_separates_them_most_is_taken() -> None:
+    """Vertices of the flat facet are at least 3/5 below the other's plane, its own as little as 1/4 above."""
+    steep = [[2.0, 0, 0.25], [2.0, 1, 0.25], [2.5, 0, 0.25 + 2.0 / 3]]
+    found = side(*steep)
+    assert found is not None
+    assert (found.facet, found.others) == (1, (0, 1, 2))
+    normal = np.cross(np.subtract(steep[1], steep[0]), np.subtract(steep[2], steep[1]))
+    heights = (np.array(FLAT) - steep[0]) @ normal / np.linalg.norm(normal)
+    assert found.least == pytest.approx(np.abs(heights).min())
+    assert found.least > 0.25
+    assert found.sign == np.sign(heights[0])
+
+
+def test_of_planes_that_separate_alike_the_first_facets_is_taken() -> None:
+    found = side([0, 0, 0.5], [1, 0, 0.5], [0, 1, 0.5])
+    assert found is not None
+    assert found.facet == 0
+
+
+def test_facets_through_each_others_planes_have_no_side() -> None:
+    assert side([0.2, 0.2, -1], [0.2, 0.2, 1], [0.2, 5, 1]) is None
+
+
+def test_only_vertices_of_its_own_have_a_side() -> None:
+    """Of two facets with a common edge one vertex each; the common ones are at height zero."""
+    found = side([0.5, -1, 0.3], faces=[(0, 1, 2), (1, 0, 3)])
+    assert found is not None
+    assert found.others in ((2,), (3,))
+    assert side(faces=[(0, 1, 2), (2, 1, 0)]) is None
+
+
+def test_a_thousandth_of_an_edge_off_a_plane_says_nothing_of_the_side() -> None:
+    assert separation.TOUCHING == 1e-3
+    for height, says in ((0.99e-3, False), (1.01e-3, True)):
+        found = side([0, 0, height], [1, 0, height], [0, 1, height])
+        assert (found is not None) is says
+
+
+# ---- facets kept apart in the design state
+
+
+def test_rows_in_the_design_state_are_heights_that_may_halve() -> None:
+    """By a twentieth of an edge at most; a facet that is nearer keeps half of what it has."""
+    design = eggbox(4, 4)
+    model = DesignModel(design)
+    faces, points = model.pattern.faces_vertices, model.seed_points
+    pairs = np.array([[f, g] for f in range(len(faces)) for g in range(f + 2, len(faces))])
+    sides = [found for pair in pairs.tolist() if (found := separation.side_of(faces, points, pair))]
+    constraint = separation.in_design(model, pairs)
+    assert constraint is not None
+    least = np.concatenate([[one.least] * len(one.others) for one in sides])
+    assert_close(constraint.lower.ravel(), np.minimum(0.05, least / 2), 1e-15)
+    assert np.isinf(constraint.upper).all()
+    assert constraint.labels == tuple(f"vertex {v}" for one in sides for v in one.others)
+    rows = rows_of(constraint, model, design.vertices_coords).ravel()
+    assert (rows > 0).all()
+    assert_close([rows[k:][: len(one.others)].min() for k, one in _starts(sides)], [s.least for s in sides], 1e-12)
+
+
+def _starts(sides: list[separation.Side]) -> list[tuple[int, separation.Side]]:
+    counts = [0, *np.cumsum([len(one.others) for one in sides]).tolist()]
+    return list(zip(counts, sides, strict=False))
+
+
+def test_facets_that_nothing_separates_have_no_rows() -> None:
+    model = DesignModel(eggbox(2, 4))
+    assert separation.in_design(model, np.array([[0, 0]])) is None
+
+
+@pytest.mark.parametrize("distance", [0.06, 0.2])
+def test_the_clearance_is_a_twentieth_or_half_of_what_there_is(
+    distance: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same in a state of the motion."""
+    model = DesignModel(eggbox(2, 4))
+    other = model.pattern.faces_vertices[2]
+    monkeypatch.setattr(separation, "side_of", lambda *_: separation.Side(0, tuple(other), 1.0, distance))
+    expected = {0.06: 0.03, 0.2: 0.05}[distance]
+    constraint = separation.in_design(model, np.array([[0, 2]]))
+    assert constraint is not None
+    assert_close(constraint.lower, expected, 1e-15)
+    (in_state,) = separation.in_state(model, np.array([[0, 2]]), 2.0)
+    assert_close(in_state.lower, expected, 1e-15)

@@ -1,0 +1,426 @@
+"""Which step follows which outcome, which outcome is kept, and how that is told: without any solver."""
+
+from __future__ import annotations
+
+import math
+import threading
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from inverse.errors import InputError
+from inverse.policy import endings, steps, verdict
+from inverse.policy.attempts import Attempt
+from inverse.policy.control import Control
+from inverse.policy.steps import Outcome, Policy
+from inverse.policy.verdict import Judgement
+from inverse.solvers.ipopt import NEAR
+from inverse.solvers.run import Ending, Progress
+
+PROGRESS = Progress(0, 1.0, 0.0, np.zeros(1))
+
+
+def outcome(
+    *, certified: bool = True, failed: tuple[str, ...] = (), violation: float = 0.0, objective: float = 1.0, n: int = 3
+) -> Outcome:
+    """What a step comes to."""
+    point: Any = SimpleNamespace(violation=violation, objective=objective, variables=np.arange(float(n)))
+    check = SimpleNamespace(passed=certified, sentence="closure FAILED")
+    certificate: Any = SimpleNamespace(certified=certified, checks={"closure": check})
+    design: Any = None
+    return Outcome(point, design, certificate, Judgement(0.0, 0.0, {}, failed), ())
+
+
+SOLVED, STALLED = outcome(), outcome(failed=("it is not stationary",))
+
+
+def policy(method: str = "ipopt") -> Policy:
+    solver = SimpleNamespace(method=method)
+    loaded: Any = SimpleNamespace(specification=SimpleNamespace(solver=solver))
+    goal = SimpleNamespace(model=SimpleNamespace(seed=None), start=lambda points: points)
+    formulation: Any = SimpleNamespace(given=SimpleNamespace(design=None), goal=goal)
+    return Policy(loaded, formulation, Control(math.inf))
+
+
+# ---- the better of two outcomes
+
+
+BETTER = {
+    "solved, though farther off": (outcome(objective=9.0), replace(STALLED, point=outcome(objective=1.0).point)),
+    "certified, though violated": (
+        outcome(failed=("no",), violation=1e-3),
+        outcome(certified=False, objective=0.1),
+    ),
+    "less violated, though farther off": (
+        outcome(failed=("no",), violation=1e-3, objective=9.0),
+        outcome(failed=("no",), violation=2e-3, objective=0.1),
+    ),
+    "nearer, where both hold": (
+        outcome(violation=0.9e-7, objective=0.9),
+        outcome(violation=0.0, objective=1.0),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BETTER)
+def test_the_better_outcome(name: str) -> None:
+    good, bad = BETTER[name]
+    assert good.better(bad) is good
+    assert bad.better(good) is good
+
+
+def test_of_equal_outcomes_the_one_before_is_kept() -> None:
+    first, second = outcome(), outcome()
+    assert second.better(first) is first
+    assert first.better(None) is first
+
+
+def test_constraints_hold_up_to_the_tolerance_of_bounds() -> None:
+    assert outcome(violation=verdict.BOUND).is_feasible
+    assert not outcome(violation=1.01 * verdict.BOUND).is_feasible
+
+
+def test_solved_is_converged_and_certified() -> None:
+    assert SOLVED.is_solved
+    assert not outcome(certified=False).is_solved
+    assert not STALLED.is_solved
+    for fault in ({"raised": ("a step raised",)}, {"range_faults": ("the motion is not free",)}):
+        assert not replace(SOLVED, **fault).converged
+
+
+# ---- which steps follow
+
+
+class Steps:
+    """A policy whose steps end as told; remembers which were taken, and from what."""
+
+    NAMES = ("again", "along_a_path", "by_nlopt", "restored")
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, **ends: Outcome | None) -> None:
+        self.policy, self.taken = policy(), []
+        self.seen: list[Outcome] = []
+        monkeypatch.setattr(self.policy, "_solved", lambda step, *_: self.end(step, ends["start"]))
+        for name in self.NAMES:
+
+            def step(best: Outcome, name: str = name) -> Outcome | None:
+                self.seen.append(best)
+                return self.end(name, ends.get(name))
+
+            monkeypatch.setattr(self.policy, f"_{name}", step)
+
+    def end(self, name: str, found: Outcome | None) -> Outcome | None:
+        self.taken.append(name)
+        return found
+
+    def run(self) -> Outcome:
+        return self.policy.run(np.zeros(3), None)
+
+
+@pytest.mark.parametrize("solved", range(5))
+def test_steps_are_taken_until_one_solves(solved: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("start", *Steps.NAMES)
+    tried = Steps(monkeypatch, **{name: SOLVED if k >= solved else STALLED for k, name in enumerate(names)})
+    assert tried.run() is SOLVED
+    assert tried.taken == list(names[: solved + 1])
+
+
+def test_the_best_of_all_steps_is_kept_and_handed_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    near, far = (outcome(failed=("no",), objective=objective) for objective in (1.0, 2.0))
+    tried = Steps(monkeypatch, start=far, again=near, by_nlopt=far)
+    assert tried.run() is near
+    assert tried.seen == [far, near, near, near]
+
+
+@pytest.mark.parametrize("end", ["stop", "not_a_number", "failure"])
+def test_no_step_follows_where_none_can_help(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = Steps(monkeypatch, start=STALLED)
+    if end == "stop":
+        tried.policy.control.stop.set()
+    else:
+        setattr(tried.policy, end, ("fit", "vertex 3"))
+    tried.run()
+    assert tried.taken == ["start"]
+
+
+# ---- a path of flatter targets
+
+
+def path(monkeypatch: pytest.MonkeyPatch, reachable: float, stop: bool = False) -> tuple[list[float], Policy, Any]:
+    """The shares that were tried where steps of at most ``reachable`` succeed, and what came of it."""
+    tried: list[float] = []
+    at, one = [0.0], policy()
+
+    def solved(name: str, on_the_way: Any, _: Any) -> Outcome:
+        share = 1.0 if on_the_way is one.formulation else on_the_way
+        assert name == f"path, {share:.3g} of the target"
+        tried.append(share)
+        if stop:
+            one.control.stop.set()
+        if share - at[0] > reachable:
+            return STALLED
+        at[0] = share
+        return SOLVED
+
+    def flatter(_: Any, share: float, __: Any) -> float:
+        assert share < 1  # the whole target is what the solve is about
+        return share
+
+    monkeypatch.setattr(one, "_solved", solved)
+    monkeypatch.setattr(one, "_outcome", lambda point: ("the last design", point))
+    monkeypatch.setattr(steps, "formulate", flatter)
+    monkeypatch.setattr(steps, "Rounds", lambda *given: SimpleNamespace(unsolved=lambda: given[-1]))
+    return tried, one, one._along_a_path(STALLED)
+
+
+def test_steps_of_the_path_double_while_they_succeed_and_halve_where_they_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried, one, found = path(monkeypatch, 1.0)
+    assert (tried, one.reached, found) == ([0.25, 0.75, 1.0], 1.0, SOLVED)
+    tried, one, found = path(monkeypatch, 0.3)
+    assert (tried, one.reached, found) == ([0.25, 0.75, 0.5, 1.0, 0.75, 1.0], 1.0, SOLVED)
+
+
+def test_the_path_ends_where_an_eighth_is_too_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried, one, found = path(monkeypatch, 0.1)
+    assert (tried, one.reached, found) == ([0.25, 0.125], 0.0, None)
+
+
+def test_the_last_design_of_a_path_is_one_for_the_whole_target(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried, one, found = path(monkeypatch, 1.0, stop=True)  # after the first step
+    assert (tried, one.reached) == ([0.25], 0.25)
+    assert found[0] == "the last design"
+    assert found[1] is SOLVED.point.variables
+
+
+# ---- the other solver
+
+
+def attempts(*ended: Ending) -> list[Attempt]:
+    """Steps that ended so, each after a run that ended otherwise."""
+    found = []
+    for end in ended:
+        first = Ending.LIMIT if end is Ending.INFEASIBLE else Ending.INFEASIBLE
+        found += [Attempt("s", "m", first), Attempt("s", "m", end, outcome="fails")]
+    return found
+
+
+def by_nlopt(monkeypatch: pytest.MonkeyPatch, one: Policy, best: Outcome) -> Any:
+    monkeypatch.setattr(one, "_solved", lambda *given, **named: (given, named))
+    return one._by_nlopt(best)
+
+
+def test_nlopt_starts_from_the_best_where_that_is_feasible_else_from_the_seed(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = policy()
+    one.attempts = attempts(Ending.INFEASIBLE, Ending.LIMIT)
+    (step, _, start), named = by_nlopt(monkeypatch, one, STALLED)
+    assert (step, named) == ("nlopt", {"method": "nlopt"})
+    assert start is STALLED.point.variables
+    (_, _, start), _ = by_nlopt(monkeypatch, one, outcome(failed=("no",), violation=1e-3))
+    assert start is None
+
+
+def test_nlopt_is_not_tried_where_it_has_no_chance(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert by_nlopt(monkeypatch, policy("nlopt"), STALLED) is None
+    contradictory = policy()
+    contradictory.attempts = attempts(Ending.INFEASIBLE, Ending.INFEASIBLE)
+    assert by_nlopt(monkeypatch, contradictory, STALLED) is None
+    one = policy()
+    one.attempts = attempts(Ending.LIMIT)
+    largest = steps.NLOPT_LARGEST
+    assert by_nlopt(monkeypatch, one, outcome(failed=("no",), n=largest)) is not None
+    assert by_nlopt(monkeypatch, one, outcome(failed=("no",), n=largest + 1)) is None
+
+
+# ---- at last at least the constraints
+
+
+@pytest.mark.parametrize(("certified", "violation"), [(False, 0.0), (True, 1e-3), (True, 0.0)])
+@pytest.mark.parametrize("found", ["a design", None])
+def test_what_is_not_within_its_constraints_is_brought_there(
+    certified: bool, violation: float, found: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wishes = []
+
+    def moved(point: Any, wish: Any) -> str | None:
+        wishes.append(wish)
+        return found
+
+    one = policy()
+    monkeypatch.setattr(steps, "Projection", lambda: SimpleNamespace(moved=moved))
+    monkeypatch.setattr(one, "_outcome", lambda point: f"{point}, judged")
+    restored: Any = one._restored(outcome(certified=certified, violation=violation, failed=("no",)))
+    ended = [attempt.ended for attempt in one.attempts]
+    if certified and violation == 0:
+        assert (restored, ended, wishes) == (None, [], [])
+        return
+    assert not np.any(wishes)
+    if found is None:
+        assert (restored, ended) == (None, ["no design found near by"])
+    else:
+        assert (restored, ended) == ("a design, judged", ["within the constraints"])
+
+
+# ---- a coarser grid
+
+
+class Coarser:
+    """Rounds on a coarser grid that end in a point of a given violation."""
+
+    violation = 0.0
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        self.attempts = [Attempt("coarser grid", "m", "ended")]
+
+    def run(self) -> Any:
+        return SimpleNamespace(violation=self.violation, variables=None)
+
+
+def from_coarse(monkeypatch: pytest.MonkeyPatch, one: Policy, violation: float = 0.0) -> Any:
+    coarser = SimpleNamespace(goal=SimpleNamespace(model=SimpleNamespace(seed=None, points=lambda _: None)))
+    tasks = iter(["coarse", None])
+    monkeypatch.setattr(steps.coarse, "coarsened", lambda _: next(tasks))
+    monkeypatch.setattr(steps.coarse, "spread", lambda *_: "spread")
+    monkeypatch.setattr(steps, "formulate", lambda *_, **__: coarser)
+    monkeypatch.setattr(steps, "Rounds", Coarser)
+    monkeypatch.setattr(Coarser, "violation", violation)
+    return one._from_coarse(one.loaded, one.formulation.goal)
+
+
+def test_a_coarser_grid_gives_the_start_where_it_came_near(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = policy()
+    assert from_coarse(monkeypatch, one, NEAR) == "spread"
+    assert [attempt.step for attempt in one.attempts] == ["coarser grid"]
+    assert from_coarse(monkeypatch, policy(), 1.01 * NEAR) is None
+
+
+def test_a_coarser_grid_gives_no_start_after_a_stop_or_for_a_given_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    stopped, given = policy(), policy()
+    stopped.control.stop.set()
+    assert from_coarse(monkeypatch, stopped) is None
+    seed: Any = "a design"
+    given.formulation.given.design = seed
+    assert from_coarse(monkeypatch, given) is None
+    assert given.attempts == []
+
+
+def test_terms_that_know_only_the_fine_grid_start_from_the_seed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: Any, **__: Any) -> None:
+        raise InputError("48 vertices are wanted")
+
+    monkeypatch.setattr(steps.coarse, "coarsened", lambda _: "coarse")
+    monkeypatch.setattr(steps, "formulate", refused)
+    one = policy()
+    assert one._from_coarse(one.loaded, one.formulation.goal) is None
+
+
+# ---- how it ended
+
+
+def stopped_by_clock(one: Policy) -> None:
+    one.control.deadline = -math.inf
+
+
+def stopped_by_user(one: Policy) -> None:
+    stopped_by_clock(one)  # the user's word is told though time is up as well
+    one.control.stop.set()
+
+
+def stopped_by_watch(one: Policy) -> None:
+    stopped_by_user(one)
+    one.control.failure = ValueError("broken")
+
+
+def failed(one: Policy) -> None:
+    stopped_by_watch(one)
+    one.failure = ("start", "ValueError: broken")
+
+
+def not_a_number(one: Policy) -> None:
+    failed(one)
+    one.not_a_number = ("fit", "vertex 3")
+
+
+CAUSES = {
+    "not_a_number": not_a_number,
+    "failed": failed,
+    "watch_failed": stopped_by_watch,
+    "interrupted": stopped_by_user,
+    "time_limit": stopped_by_clock,
+}
+
+
+@pytest.mark.parametrize("word", CAUSES)
+def test_the_first_cause_is_told_whatever_followed_from_it(word: str) -> None:
+    one = policy()
+    CAUSES[word](one)
+    ending, details = endings.ending_of(one, STALLED)
+    assert ending == word
+    first = {"not_a_number": "fit at vertex 3", "watch_failed": "ValueError: broken"}
+    assert details[0] == first.get(word, "it is not stationary")
+    assert endings.ending_of(one, SOLVED) == ("solved", [])
+
+
+def test_without_a_cause_from_outside_it_is_the_design_that_tells() -> None:
+    one = policy()
+    assert endings.ending_of(one, outcome(failed=("no",), violation=1e-3)) == ("infeasible", ["no"])
+    assert endings.ending_of(one, outcome(certified=False)) == ("not_certified", ["closure FAILED"])
+    assert endings.ending_of(one, outcome(certified=False, failed=("no",))) == ("stalled", ["closure FAILED", "no"])
+    one.attempts = attempts(Ending.INFEASIBLE, Ending.LIMIT, Ending.NO_STEP)
+    assert endings.ending_of(one, STALLED)[0] == "iteration_limit"
+    one.attempts = attempts(Ending.INFEASIBLE)  # after a run within the step that came to its limit
+    assert endings.ending_of(one, STALLED)[0] == "stalled"
+
+
+@pytest.mark.parametrize(
+    ("reached", "told"),
+    [(None, ""), (1.0, ""), (0.75, "came to 0.75 of"), (0.0, "did not even come to 0.125 of")],
+)
+def test_how_far_a_path_came_is_told_where_it_matters(reached: float | None, told: str) -> None:
+    one = policy()
+    one.reached = reached
+    ending, details = endings.ending_of(one, STALLED)
+    assert ending == "stalled"
+    assert details == ["it is not stationary"] + [f"a path from the seed {told} the target's height"] * bool(told)
+    assert endings.ending_of(one, outcome(certified=False)) == ("not_certified", ["closure FAILED"])
+
+
+# ---- what ends a solve from outside
+
+
+def test_what_stops_a_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("inverse.policy.control.time.monotonic", lambda: 5.0)
+    assert not Control(5.5).stopped
+    assert Control(5.0).timed_out
+    assert Control(5.0).stopped
+    asked, broken = Control(5.5), Control(5.5, failure=ValueError())
+    asked.stop.set()
+    assert asked.stopped
+    assert broken.stopped
+    assert not asked.timed_out
+    assert not broken.timed_out
+
+
+def test_the_watch_is_told_until_the_solve_is_stopped() -> None:
+    told: list[str] = []
+    control = Control(math.inf, lambda phase, _: told.append(phase))
+    assert control.tell("first", PROGRESS)
+    control.stop.set()
+    assert not control.tell("second", PROGRESS)
+    assert told == ["first"]
+    assert Control(math.inf).tell("nobody watches", PROGRESS)
+    assert not Control(-math.inf).tell("nobody watches", PROGRESS)
+
+
+def test_a_watch_that_stops_the_solve_ends_it_at_once() -> None:
+    stop = threading.Event()
+    assert not Control(math.inf, lambda *_: stop.set(), stop).tell("", PROGRESS)
+
+
+def test_where_nothing_was_found_yet_an_interrupt_is_one() -> None:
+    control = Control(math.inf)
+    control.check()
+    control.stop.set()
+    with pytest.raises(KeyboardInterrupt):
+        control.check()

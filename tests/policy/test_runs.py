@@ -1,0 +1,336 @@
+"""The runs of one round with solvers that end as told: which method follows which, from where, and what is kept."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from inverse.policy import runs as module
+from inverse.policy import verdict
+from inverse.policy.control import Control
+from inverse.policy.runs import TOO_FAR, Runs
+from inverse.solvers.ipopt import APPROACHING, NEAR, STATIC
+from inverse.solvers.run import Ending, Progress, Run
+from inverse.solvers.slsqp import Slsqp
+
+PIVOTED = "pivoting"
+
+
+PLAIN = SimpleNamespace(has_passive_variables=False, has_redundant_equations=False)
+
+
+@dataclass(frozen=True)
+class At:
+    """A point by its name: the run that came there."""
+
+    name: str = "the start"
+    violation: float = 1.0
+    multipliers: Any = None
+    problem: Any = field(default_factory=lambda: PLAIN)
+    objective: float = 4.0
+    variables: Any = field(default_factory=lambda: np.zeros(2), compare=False)
+
+    def pushed(self, multipliers: Any) -> At:
+        return replace(self, multipliers=multipliers)
+
+    def moved(self, variables: Any) -> At:
+        return replace(self, variables=variables)
+
+
+@dataclass
+class Told:
+    """A solver whose runs end as told, by method: (ending, violation, iterations); else they find a solution."""
+
+    name: str
+    calls: list[str]
+    ends: dict[str, tuple[Ending, float, int]] = field(default_factory=dict)
+    limits: list[int] = field(default_factory=list)
+
+    def approach(self, at: At, limit: int, *, is_good: bool) -> Any:
+        self.limits.append(limit)
+        return self._ended(APPROACHING + (" of a good start" if is_good else ""), APPROACHING, at)
+
+    def run(self, at: At, limit: int, *, careful: bool) -> Any:
+        self.limits.append(limit)
+        return self._ended(PIVOTED if careful else STATIC, PIVOTED if careful else STATIC, at)
+
+    def _ended(self, said: str, method: str, at: At) -> Any:
+        self.calls.append(f"{self.name}: {said} from {at.name}")
+        usual = Ending.SETTLED if method == APPROACHING else Ending.SOLVED
+        ending, violation, iterations = self.ends.get(method, (usual, 0.0, 1))
+        end: Any = At(f"{method} {self.name}", violation, "its multipliers")
+        return Run(end, ending, iterations, 0.0, 0.0, method)
+
+
+def made(limit: int = 100, watch: Any = None) -> Runs:
+    model = SimpleNamespace(pattern=SimpleNamespace(faces_vertices=[[0, 1, 2]]), points=lambda x: x)
+    goal: Any = SimpleNamespace(model=model, packed=())
+    options: Any = SimpleNamespace(max_iterations=limit, tolerance=1e-7)
+    return Runs(goal, options, Control(math.inf, watch), "ipopt")
+
+
+class Round:
+    """One round of a solver and one without idle bounds."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, limit: int = 100) -> None:
+        self.calls: list[str] = []
+        self.whole, self.light = Told("whole", self.calls), Told("light", self.calls)
+        self.relaxed_at: list[str] = []
+        self.runs = made(limit)
+
+        def relaxed(at: At) -> Told:
+            self.relaxed_at.append(at.name)
+            return self.light
+
+        monkeypatch.setattr(self.runs, "_is_settled", lambda _: False)
+        monkeypatch.setattr(self.runs, "_light", relaxed)
+
+    def go(self, start: Any = None, *, is_seed: bool = False) -> list[Run]:
+        solver: Any = self.whole
+        return self.runs.one_round(solver, At() if start is None else start, is_seed=is_seed)
+
+
+@pytest.fixture
+def one(monkeypatch: pytest.MonkeyPatch) -> Round:
+    return Round(monkeypatch)
+
+
+def test_a_good_start_needs_no_idle_bounds(one: Round) -> None:
+    found = one.go()
+    assert one.calls == [
+        f"light: {APPROACHING} of a good start from the start",
+        f"light: {STATIC} from {APPROACHING} light",
+    ]
+    assert [run.method for run in found] == [APPROACHING, STATIC]
+    assert one.relaxed_at == ["the start"]
+
+
+def test_from_the_seed_idle_bounds_are_left_out_when_it_came_near(one: Round) -> None:
+    one.go(is_seed=True)
+    assert one.calls == [f"whole: {APPROACHING} from the start", f"light: {STATIC} from {APPROACHING} whole"]
+    assert one.relaxed_at == [f"{APPROACHING} whole"]
+
+
+@pytest.mark.parametrize("end", [(Ending.GIVEN_UP, 0.0, 1), (Ending.LIMIT, 1.01 * NEAR, 1)])
+def test_what_goes_wrong_without_idle_bounds_is_done_again_with_them(end: Any, one: Round) -> None:
+    one.light.ends[APPROACHING] = end
+    one.go()
+    assert one.calls == [
+        f"light: {APPROACHING} of a good start from the start",
+        f"whole: {APPROACHING} of a good start from the start",
+        f"light: {STATIC} from {APPROACHING} whole",
+    ]
+    assert one.relaxed_at == ["the start", f"{APPROACHING} whole"]
+
+
+def test_static_pivots_too_are_done_again_with_idle_bounds(one: Round) -> None:
+    """After them there is no use for a solver without."""
+    one.light.ends[STATIC] = (Ending.GIVEN_UP, 0.0, 1)
+    one.whole.ends[STATIC] = (Ending.NO_STEP, 0.0, 1)
+    one.go()
+    assert one.calls[1:] == [
+        f"light: {STATIC} from {APPROACHING} light",
+        f"whole: {STATIC} from {APPROACHING} light",
+        f"whole: {PIVOTED} from {STATIC} whole",
+    ]
+    assert one.relaxed_at == ["the start"]
+
+
+def test_what_came_near_is_gone_on_from(one: Round) -> None:
+    """A limit that was reached within what is called near; then static pivots that stall go on with pivoting."""
+    one.light.ends = {APPROACHING: (Ending.LIMIT, NEAR, 1), STATIC: (Ending.NO_STEP, NEAR, 1)}
+    one.go()
+    assert one.calls[1:] == [
+        f"light: {STATIC} from {APPROACHING} light",
+        f"whole: {PIVOTED} from {STATIC} light",
+    ]
+
+
+def test_where_nothing_came_near_exact_steps_begin_at_the_start(one: Round) -> None:
+    far = (Ending.LIMIT, 1.01 * NEAR, 1)
+    one.whole.ends = one.light.ends = {APPROACHING: far, STATIC: far}
+    one.go()
+    assert one.calls[2:] == [f"whole: {STATIC} from the start", f"whole: {PIVOTED} from the start"]
+
+
+def test_a_solution_ends_a_round_if_it_holds_its_bounds(one: Round) -> None:
+    one.light.ends[STATIC] = (Ending.SOLVED, verdict.BOUND, 1)
+    assert len(one.go()) == 2
+    one.light.ends[STATIC] = (Ending.SOLVED, 1.01 * verdict.BOUND, 1)
+    assert [run.method for run in one.go()] == [APPROACHING, STATIC, PIVOTED]
+
+
+def test_a_round_ends_with_its_iterations(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten in all: four to come near, then six, of which the last run takes all or leaves one."""
+    for taken, count in ((6, 2), (5, 3)):
+        one = Round(monkeypatch, limit=10)
+        one.light.ends = {APPROACHING: (Ending.SETTLED, 0.0, 4), STATIC: (Ending.NO_STEP, 0.0, taken)}
+        assert len(one.go()) == count
+        assert one.light.limits == [10, 6]
+        assert one.whole.limits == [1] * (count - 2)
+
+
+def test_a_round_ends_when_stopped_or_without_a_number(one: Round) -> None:
+    one.light.ends[APPROACHING] = (Ending.INVALID_NUMBER, 0.0, 1)
+    assert len(one.go()) == 1
+    one.light.ends = {}
+    one.runs.control.stop.set()
+    assert len(one.go()) == 1
+
+
+def test_equations_that_hold_show_which_are_redundant(one: Round, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = SimpleNamespace(has_passive_variables=False, has_redundant_equations=True)
+    monkeypatch.setattr(module, "polish", lambda at: replace(at, name=f"polished {at.name}"))
+    one.light.ends[STATIC] = (Ending.NO_STEP, 0.0, 1)
+    one.go(At(problem=problem))
+    assert one.calls[1:] == [
+        f"light: {STATIC} from polished {APPROACHING} light",
+        f"whole: {PIVOTED} from {STATIC} light",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("passive", "multipliers", "methods"),
+    [
+        (False, None, (APPROACHING, STATIC)),
+        (False, "some", (STATIC,)),
+        (True, None, (STATIC,)),
+        (True, "some", ()),
+    ],
+)
+def test_methods_by_what_the_start_brings(passive: bool, multipliers: Any, methods: Any, one: Round) -> None:
+    problem = SimpleNamespace(has_passive_variables=passive, has_redundant_equations=False)
+    one.light.ends[STATIC] = (Ending.NO_STEP, 0.0, 1)
+    found = one.go(At(problem=problem, multipliers=multipliers))
+    assert tuple(run.method for run in found) == (*methods, PIVOTED)
+    assert one.relaxed_at == (["the start"] if methods else [])
+
+
+def test_the_other_solver_takes_all_iterations_at_once(one: Round) -> None:
+    solver: Any = object.__new__(Slsqp)
+    solver.run = lambda at, limit: (at.name, limit)
+    given: Any = At()
+    assert one.runs.one_round(solver, given, is_seed=True) == [("the start", 100)]
+
+
+# ---- starts that are the answer
+
+
+@pytest.mark.parametrize(
+    ("violation", "gradient", "settled"),
+    [(verdict.EQUATION, 1e-7, True), (1.01 * verdict.EQUATION, 0.0, False), (0.0, 1.01e-7, False)],
+)
+def test_a_start_that_is_the_answer_stays(
+    violation: float, gradient: float, settled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without its multipliers: nothing is to pull at it."""
+
+    def stationarity(point: Any, _: Any) -> float:
+        return 1.0 if point.multipliers is not None else gradient
+
+    told: list[Progress] = []
+    runs = made(watch=lambda _, progress: told.append(progress))
+    monkeypatch.setattr(verdict, "stationarity", stationarity)
+    solver: Any = Told("whole", [])
+    monkeypatch.setattr(runs, "_light", lambda _: None)
+    start: Any = At(violation=violation, multipliers="some")
+    found = runs.one_round(solver, start, is_seed=False)
+    assert (not solver.calls) == settled
+    assert [progress.iteration for progress in told] == [0] * settled
+    if settled:
+        assert found[0].ending is Ending.SOLVED
+        assert found[0].end.multipliers is None
+        assert runs.best is start.variables
+
+
+# ---- what is kept
+
+
+def iterate(violation: float, objective: float, k: float) -> Progress:
+    return Progress(0, objective, violation, np.full(2, k))
+
+
+def test_the_best_iterate_is_the_nearest_of_those_within_bounds() -> None:
+    runs = made()
+    assert runs.best is None
+    for k, (violation, objective) in enumerate([(1.0, 0.0), (1e-3, 9.0), (0.9e-7, 5.0), (0.0, 6.0), (1e-6, 1.0)]):
+        assert runs._report(iterate(violation, objective, k))
+    assert runs.best is not None
+    assert runs.best[0] == 2  # 9e-8 is as good as 0, and nearer; 1e-6 is not
+    assert runs._near[2][0] == 4  # of those that a polish may bring within
+
+
+def test_a_start_is_the_best_until_something_is_better() -> None:
+    runs = made()
+    runs.begin(np.full(2, 7.0), 3.0)
+    runs._report(iterate(0.0, 3.5, 1))
+    runs._report(iterate(1e-3, 1.0, 2))
+    assert runs.best is not None
+    assert runs.best[0] == 7
+
+
+@pytest.mark.parametrize(("violation", "kept"), [(verdict.BOUND, 4.0), (1.01 * verdict.BOUND, 2.0)])
+def test_a_polished_iterate_is_kept_if_it_is_feasible(
+    violation: float, kept: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs = made()
+    runs._report(iterate(0.0, 5.0, 2))
+    runs._report(iterate(1e-3, 1.0, 4))
+    monkeypatch.setattr(module, "polish", lambda at: replace(at, violation=violation))
+    end: Any = At()
+    assert runs.kept(end).variables[0] == kept
+
+
+def test_states_that_are_packed_move_with_a_polished_iterate(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = made()
+    runs._report(iterate(0.0, 5.0, 2))
+    goal: Any = runs.goal
+    goal.packed, goal.start = ("a state",), lambda points: points + 1
+    monkeypatch.setattr(module, "polish", lambda at: replace(at, violation=0.0))
+    end: Any = At()
+    assert runs.kept(end).variables[0] == 3
+
+
+# ---- runs without idle bounds
+
+
+def reporter(monkeypatch: pytest.MonkeyPatch, violation: float, *, convex: bool) -> tuple[Callable[..., bool], Runs]:
+    """What such a run tells its iterates to, where the whole problem has a given violation."""
+    runs = made()
+    monkeypatch.setattr(module, "relaxed", lambda _: SimpleNamespace(problem=None))
+    monkeypatch.setattr(module.geometry, "are_convex", lambda *_: convex)
+    monkeypatch.setattr(runs, "_ipopt", lambda _, report: report)
+    monkeypatch.setattr(At, "moved", lambda at, _: replace(at, violation=violation))
+    start: Any = At()
+    light: Any = runs._light(start)
+    return light.solver, runs
+
+
+@pytest.mark.parametrize(
+    ("violation", "convex", "goes_on"),
+    [(TOO_FAR, True, True), (1.01 * TOO_FAR, True, False), (0.0, False, False), (0.0, True, True)],
+)
+def test_a_run_without_idle_bounds_is_given_up_where_it_leaves_them(
+    violation: float, convex: bool, goes_on: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    report, runs = reporter(monkeypatch, violation, convex=convex)
+    assert report(iterate(0.0, 1.0, 1)) is goes_on
+    assert runs._near[0] == (max(violation, NEAR) if convex else math.inf)  # of all bounds
+
+
+def test_a_stop_ends_a_run_without_idle_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    report, runs = reporter(monkeypatch, 0.0, convex=True)
+    runs.control.stop.set()
+    assert not report(iterate(0.0, 1.0, 1))
+
+
+def test_where_few_bounds_are_idle_all_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "relaxed", lambda _: None)
+    start: Any = At()
+    assert made()._light(start) is None
