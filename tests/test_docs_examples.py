@@ -30,7 +30,6 @@ NOT_RUN = {
     "apt-get ": "needs the network and rights",
     ".venv/bin/python -m studies.": "runs in test_studies.py",
     "inverse repair PATTERN.fold|PATTERN.obj ": "a synopsis",
-    "pattern -> ": "a picture of arrows",
 }
 # Runs that would take long, and what is run instead.
 SMALL = "--frames 2 --size 160 90"
@@ -150,4 +149,7 @@ def test_languages_of_blocks_are_known() -> None:
     """A block in a language that nothing runs is a mistake, or needs a line in RUN."""
     for page in PAGES:
         for block in blocks(page):
-            assert block.language in {*RUN, "", "text", "{include}", "{toctree}", "{eval-rst}"}, (page, block.line)
+            assert block.language in {*RUN, "", "text", "toml", "{include}", "{toctree}", "{eval-rst}"}, (
+                page,
+                block.line,
+            )
