@@ -145,6 +145,95 @@ def test_no_step_follows_where_none_can_help(end: str, monkeypatch: pytest.Monke
     assert tried.taken == ["start"]
 
 
+# ---- one solve
+
+
+class Solved:
+    """Rounds that end in a point with given attempts, or raise."""
+
+    attempts: tuple[Attempt, ...] = ()
+    raised: Exception | None = None
+    runs = SimpleNamespace(seconds_building=0.0)
+
+    def __init__(self, *given: Any) -> None:
+        pass
+
+    def run(self) -> Any:
+        if self.raised is not None:
+            raise self.raised
+        return SimpleNamespace(name="the end", not_a_number=("fit", "vertex 3"))
+
+    def abandoned(self) -> Any:
+        return SimpleNamespace(name="the best iterate")
+
+
+def solved(monkeypatch: pytest.MonkeyPatch, found: Outcome, **of: Any) -> tuple[Policy, list[str]]:
+    """The policy after one solve that comes to ``found``; and what was judged."""
+    one, judged = policy(), []
+
+    def outcome_of(point: Any, _: Any) -> Outcome:
+        judged.append(point.name)
+        return found
+
+    for name, value in of.items():
+        monkeypatch.setattr(Solved, name, value)
+    monkeypatch.setattr(steps, "Rounds", Solved)
+    monkeypatch.setattr(one, "_outcome", outcome_of)
+    assert one._solved("a step", one.formulation, None) is found
+    return one, judged
+
+
+def test_the_last_run_of_a_step_tells_what_it_came_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = (Attempt("a step", "m", Ending.INVALID_NUMBER), Attempt("a step", "m", Ending.LIMIT))
+    for found, said in ((SOLVED, "certified and converged"), (STALLED, "it is not stationary")):
+        one, judged = solved(monkeypatch, found, attempts=runs)
+        assert [(attempt.ended, attempt.outcome) for attempt in one.attempts] == [
+            (Ending.INVALID_NUMBER, None),
+            (Ending.LIMIT, said),
+        ]
+        assert one.not_a_number is None
+        assert judged == ["the end"]
+
+
+@pytest.mark.parametrize("runs", [(), (Attempt("a step", "m", Ending.LIMIT), Attempt("", "", Ending.INVALID_NUMBER))])
+def test_a_solve_that_met_no_number_says_where(runs: tuple[Attempt, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    one, _ = solved(monkeypatch, STALLED, attempts=runs)
+    assert one.not_a_number == ("fit", "vertex 3")
+    assert one.attempts[-1].ended == Ending.INVALID_NUMBER
+    assert one.attempts[-1].outcome == "it is not stationary"
+
+
+def test_a_solve_that_raises_comes_to_its_best_iterate(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = (Attempt("a step", "m", Ending.LIMIT),)
+    one, judged = solved(monkeypatch, STALLED, attempts=runs, raised=ZeroDivisionError("by zero"))
+    assert judged == ["the best iterate"]
+    assert one.failure == ("a step", "ZeroDivisionError: by zero")
+    assert [attempt.ended for attempt in one.attempts] == [Ending.LIMIT, "ZeroDivisionError: by zero"]
+
+
+@pytest.mark.parametrize("not_a_number", [None, ("fit", "vertex 3")])
+def test_what_has_a_number_is_polished_before_it_is_judged(not_a_number: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = policy()
+    one.not_a_number = not_a_number
+    model: Any = one.formulation.goal.model
+    model.design = lambda variables: f"design of {variables}"
+    formulation: Any = one.formulation
+    formulation.free_range = None
+    for name in ("polish", "balanced"):
+        monkeypatch.setattr(steps, name, lambda at, name=name: SimpleNamespace(variables=f"{at.variables}, {name}"))
+    monkeypatch.setattr(steps.fold_file, "document", lambda design: design)
+    monkeypatch.setattr(steps, "frame_of", lambda document: document)
+    monkeypatch.setattr(steps, "check_frame", lambda frame: f"certificate of {frame}")
+    monkeypatch.setattr(verdict, "range_faults", lambda *_: ())
+    monkeypatch.setattr(verdict, "judge", lambda at, _: f"judgement on {at.variables}")
+    point: Any = SimpleNamespace(variables="x")
+    found = one._outcome(point)
+    expected = "x, polish, balanced" if not_a_number is None else "x"
+    assert found.design == f"design of {expected}"
+    assert found.certificate == f"certificate of design of {expected}"
+    assert found.judgement == f"judgement on {expected}"
+
+
 # ---- a path of flatter targets
 
 
