@@ -1,49 +1,21 @@
-"""Which step follows which outcome, which outcome is kept, and how that is told: without any solver."""
+"""Which step follows which outcome, and which outcome is kept: without any solver."""
 
 from __future__ import annotations
 
-import math
-import threading
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from outcomes import SOLVED, STALLED, attempts, outcome, policy
 
 from inverse.errors import InputError
-from inverse.policy import endings, steps, verdict
+from inverse.policy import steps, verdict
 from inverse.policy.attempts import Attempt
-from inverse.policy.control import Control
 from inverse.policy.steps import Outcome, Policy
-from inverse.policy.verdict import Judgement
 from inverse.solvers.ipopt import NEAR
-from inverse.solvers.run import Ending, Progress
-
-PROGRESS = Progress(0, 1.0, 0.0, np.zeros(1))
-
-
-def outcome(
-    *, certified: bool = True, failed: tuple[str, ...] = (), violation: float = 0.0, objective: float = 1.0, n: int = 3
-) -> Outcome:
-    """What a step comes to."""
-    point: Any = SimpleNamespace(violation=violation, objective=objective, variables=np.arange(float(n)))
-    check = SimpleNamespace(passed=certified, sentence="closure FAILED")
-    certificate: Any = SimpleNamespace(certified=certified, checks={"closure": check})
-    design: Any = None
-    return Outcome(point, design, certificate, Judgement(0.0, 0.0, {}, failed), ())
-
-
-SOLVED, STALLED = outcome(), outcome(failed=("it is not stationary",))
-
-
-def policy(method: str = "ipopt") -> Policy:
-    solver = SimpleNamespace(method=method)
-    loaded: Any = SimpleNamespace(specification=SimpleNamespace(solver=solver))
-    goal = SimpleNamespace(model=SimpleNamespace(seed=None), start=lambda points: points)
-    formulation: Any = SimpleNamespace(given=SimpleNamespace(design=None), goal=goal)
-    return Policy(loaded, formulation, Control(math.inf))
-
+from inverse.solvers.run import Ending
 
 # ---- the better of two outcomes
 
@@ -145,6 +117,95 @@ def test_no_step_follows_where_none_can_help(end: str, monkeypatch: pytest.Monke
     assert tried.taken == ["start"]
 
 
+# ---- one solve
+
+
+class Solved:
+    """Rounds that end in a point with given attempts, or raise."""
+
+    attempts: tuple[Attempt, ...] = ()
+    raised: Exception | None = None
+    runs = SimpleNamespace(seconds_building=0.0)
+
+    def __init__(self, *given: Any) -> None:
+        pass
+
+    def run(self) -> Any:
+        if self.raised is not None:
+            raise self.raised
+        return SimpleNamespace(name="the end", not_a_number=("fit", "vertex 3"))
+
+    def abandoned(self) -> Any:
+        return SimpleNamespace(name="the best iterate")
+
+
+def solved(monkeypatch: pytest.MonkeyPatch, found: Outcome, **of: Any) -> tuple[Policy, list[str]]:
+    """The policy after one solve that comes to ``found``; and what was judged."""
+    one, judged = policy(), []
+
+    def outcome_of(point: Any, _: Any) -> Outcome:
+        judged.append(point.name)
+        return found
+
+    for name, value in of.items():
+        monkeypatch.setattr(Solved, name, value)
+    monkeypatch.setattr(steps, "Rounds", Solved)
+    monkeypatch.setattr(one, "_outcome", outcome_of)
+    assert one._solved("a step", one.formulation, None) is found
+    return one, judged
+
+
+def test_the_last_run_of_a_step_tells_what_it_came_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = (Attempt("a step", "m", Ending.INVALID_NUMBER), Attempt("a step", "m", Ending.LIMIT))
+    for found, said in ((SOLVED, "certified and converged"), (STALLED, "it is not stationary")):
+        one, judged = solved(monkeypatch, found, attempts=runs)
+        assert [(attempt.ended, attempt.outcome) for attempt in one.attempts] == [
+            (Ending.INVALID_NUMBER, None),
+            (Ending.LIMIT, said),
+        ]
+        assert one.not_a_number is None
+        assert judged == ["the end"]
+
+
+@pytest.mark.parametrize("runs", [(), (Attempt("a step", "m", Ending.LIMIT), Attempt("", "", Ending.INVALID_NUMBER))])
+def test_a_solve_that_met_no_number_says_where(runs: tuple[Attempt, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    one, _ = solved(monkeypatch, STALLED, attempts=runs)
+    assert one.not_a_number == ("fit", "vertex 3")
+    assert one.attempts[-1].ended == Ending.INVALID_NUMBER
+    assert one.attempts[-1].outcome == "it is not stationary"
+
+
+def test_a_solve_that_raises_comes_to_its_best_iterate(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = (Attempt("a step", "m", Ending.LIMIT),)
+    one, judged = solved(monkeypatch, STALLED, attempts=runs, raised=ZeroDivisionError("by zero"))
+    assert judged == ["the best iterate"]
+    assert one.failure == ("a step", "ZeroDivisionError: by zero")
+    assert [attempt.ended for attempt in one.attempts] == [Ending.LIMIT, "ZeroDivisionError: by zero"]
+
+
+@pytest.mark.parametrize("not_a_number", [None, ("fit", "vertex 3")])
+def test_what_has_a_number_is_polished_before_it_is_judged(not_a_number: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = policy()
+    one.not_a_number = not_a_number
+    model: Any = one.formulation.goal.model
+    model.design = lambda variables: f"design of {variables}"
+    formulation: Any = one.formulation
+    formulation.free_range = None
+    for name in ("polish", "balanced"):
+        monkeypatch.setattr(steps, name, lambda at, name=name: SimpleNamespace(variables=f"{at.variables}, {name}"))
+    monkeypatch.setattr(steps.fold_file, "document", lambda design: design)
+    monkeypatch.setattr(steps, "frame_of", lambda document: document)
+    monkeypatch.setattr(steps, "check_frame", lambda frame: f"certificate of {frame}")
+    monkeypatch.setattr(verdict, "range_faults", lambda *_: ())
+    monkeypatch.setattr(verdict, "judge", lambda at, _: f"judgement on {at.variables}")
+    point: Any = SimpleNamespace(variables="x")
+    found = one._outcome(point)
+    expected = "x, polish, balanced" if not_a_number is None else "x"
+    assert found.design == f"design of {expected}"
+    assert found.certificate == f"certificate of design of {expected}"
+    assert found.judgement == f"judgement on {expected}"
+
+
 # ---- a path of flatter targets
 
 
@@ -195,15 +256,6 @@ def test_the_last_design_of_a_path_is_one_for_the_whole_target(monkeypatch: pyte
 
 
 # ---- the other solver
-
-
-def attempts(*ended: Ending) -> list[Attempt]:
-    """Steps that ended so, each after a run that ended otherwise."""
-    found = []
-    for end in ended:
-        first = Ending.LIMIT if end is Ending.INFEASIBLE else Ending.INFEASIBLE
-        found += [Attempt("s", "m", first), Attempt("s", "m", end, outcome="fails")]
-    return found
 
 
 def by_nlopt(monkeypatch: pytest.MonkeyPatch, one: Policy, best: Outcome) -> Any:
@@ -313,114 +365,3 @@ def test_terms_that_know_only_the_fine_grid_start_from_the_seed(monkeypatch: pyt
     monkeypatch.setattr(steps, "formulate", refused)
     one = policy()
     assert one._from_coarse(one.loaded, one.formulation.goal) is None
-
-
-# ---- how it ended
-
-
-def stopped_by_clock(one: Policy) -> None:
-    one.control.deadline = -math.inf
-
-
-def stopped_by_user(one: Policy) -> None:
-    stopped_by_clock(one)  # the user's word is told though time is up as well
-    one.control.stop.set()
-
-
-def stopped_by_watch(one: Policy) -> None:
-    stopped_by_user(one)
-    one.control.failure = ValueError("broken")
-
-
-def failed(one: Policy) -> None:
-    stopped_by_watch(one)
-    one.failure = ("start", "ValueError: broken")
-
-
-def not_a_number(one: Policy) -> None:
-    failed(one)
-    one.not_a_number = ("fit", "vertex 3")
-
-
-CAUSES = {
-    "not_a_number": not_a_number,
-    "failed": failed,
-    "watch_failed": stopped_by_watch,
-    "interrupted": stopped_by_user,
-    "time_limit": stopped_by_clock,
-}
-
-
-@pytest.mark.parametrize("word", CAUSES)
-def test_the_first_cause_is_told_whatever_followed_from_it(word: str) -> None:
-    one = policy()
-    CAUSES[word](one)
-    ending, details = endings.ending_of(one, STALLED)
-    assert ending == word
-    first = {"not_a_number": "fit at vertex 3", "watch_failed": "ValueError: broken"}
-    assert details[0] == first.get(word, "it is not stationary")
-    assert endings.ending_of(one, SOLVED) == ("solved", [])
-
-
-def test_without_a_cause_from_outside_it_is_the_design_that_tells() -> None:
-    one = policy()
-    assert endings.ending_of(one, outcome(failed=("no",), violation=1e-3)) == ("infeasible", ["no"])
-    assert endings.ending_of(one, outcome(certified=False)) == ("not_certified", ["closure FAILED"])
-    assert endings.ending_of(one, outcome(certified=False, failed=("no",))) == ("stalled", ["closure FAILED", "no"])
-    one.attempts = attempts(Ending.INFEASIBLE, Ending.LIMIT, Ending.NO_STEP)
-    assert endings.ending_of(one, STALLED)[0] == "iteration_limit"
-    one.attempts = attempts(Ending.INFEASIBLE)  # after a run within the step that came to its limit
-    assert endings.ending_of(one, STALLED)[0] == "stalled"
-
-
-@pytest.mark.parametrize(
-    ("reached", "told"),
-    [(None, ""), (1.0, ""), (0.75, "came to 0.75 of"), (0.0, "did not even come to 0.125 of")],
-)
-def test_how_far_a_path_came_is_told_where_it_matters(reached: float | None, told: str) -> None:
-    one = policy()
-    one.reached = reached
-    ending, details = endings.ending_of(one, STALLED)
-    assert ending == "stalled"
-    assert details == ["it is not stationary"] + [f"a path from the seed {told} the target's height"] * bool(told)
-    assert endings.ending_of(one, outcome(certified=False)) == ("not_certified", ["closure FAILED"])
-
-
-# ---- what ends a solve from outside
-
-
-def test_what_stops_a_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("inverse.policy.control.time.monotonic", lambda: 5.0)
-    assert not Control(5.5).stopped
-    assert Control(5.0).timed_out
-    assert Control(5.0).stopped
-    asked, broken = Control(5.5), Control(5.5, failure=ValueError())
-    asked.stop.set()
-    assert asked.stopped
-    assert broken.stopped
-    assert not asked.timed_out
-    assert not broken.timed_out
-
-
-def test_the_watch_is_told_until_the_solve_is_stopped() -> None:
-    told: list[str] = []
-    control = Control(math.inf, lambda phase, _: told.append(phase))
-    assert control.tell("first", PROGRESS)
-    control.stop.set()
-    assert not control.tell("second", PROGRESS)
-    assert told == ["first"]
-    assert Control(math.inf).tell("nobody watches", PROGRESS)
-    assert not Control(-math.inf).tell("nobody watches", PROGRESS)
-
-
-def test_a_watch_that_stops_the_solve_ends_it_at_once() -> None:
-    stop = threading.Event()
-    assert not Control(math.inf, lambda *_: stop.set(), stop).tell("", PROGRESS)
-
-
-def test_where_nothing_was_found_yet_an_interrupt_is_one() -> None:
-    control = Control(math.inf)
-    control.check()
-    control.stop.set()
-    with pytest.raises(KeyboardInterrupt):
-        control.check()

@@ -172,6 +172,7 @@ def _starts(sides: list[separation.Side]) -> list[tuple[int, separation.Side]]:
 def test_facets_that_nothing_separates_have_no_rows() -> None:
     model = DesignModel(eggbox(2, 4))
     assert separation.in_design(model, np.array([[0, 0]])) is None
+    assert separation.in_state(model, np.array([[0, 0]]), 2.0) == []
 
 
 @pytest.mark.parametrize("distance", [0.06, 0.2])
