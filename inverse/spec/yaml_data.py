@@ -70,6 +70,8 @@ def parse(text: str, fail: Fail, places: dict[KeyPath, Place]) -> Any:
                     raise fail(_start(event), "the file asks for an older YAML: it is read as YAML 1.2", None)
                 data = _build(next(events), events, (), None, fail, places)
         return data
+    except InputError:
+        raise
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         position = (mark.line, mark.column) if mark else (0, 0)
@@ -78,7 +80,7 @@ def parse(text: str, fail: Fail, places: dict[KeyPath, Place]) -> Any:
         before = LINE_BREAK.split(text[: error.position])
         what = f"the character U+{ord(text[error.position]):04X} is not allowed in YAML"
         raise fail((len(before) - 1, len(before[-1])), what, None) from None
-    except (YAMLError, OverflowError) as error:
+    except (YAMLError, OverflowError, ValueError) as error:  # a letter beyond Unicode is either, by the Python
         raise fail((0, 0), f"this is no valid YAML: {error}", None) from None
 
 
