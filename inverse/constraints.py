@@ -43,7 +43,7 @@ def planarity(model: DesignModel) -> list[Constraint]:
     Each volume is divided by the seed's edge lengths there, so that the residual is of the order of an angle.
     """
     constraints = []
-    for sides, facets in _facets_by_sides(model).items():
+    for sides, facets in model.pattern.faces_by_sides.items():
         if sides == 3:
             continue
         vertices = np.array([model.pattern.faces_vertices[f] for f in facets], np.int64)
@@ -235,10 +235,3 @@ def _equations(elements: Elements, labels: list[str]) -> Constraint:
 
 def _edge_labels(edges: IntArray) -> tuple[str, ...]:
     return tuple(f"edge {a}-{b}" for a, b in edges.tolist())
-
-
-def _facets_by_sides(model: DesignModel) -> dict[int, list[int]]:
-    groups: dict[int, list[int]] = {}
-    for f, face in enumerate(model.pattern.faces_vertices):
-        groups.setdefault(len(face), []).append(f)
-    return groups

@@ -215,8 +215,8 @@ def _summary(result: Result, folder: Path) -> dict[str, object]:
         "certified": result.certified,
         "converged": result.converged,
         "out": str(folder),
-        "fit": result.report["fit"],
-        "coverage": result.report["coverage"],
+        "fit": result.fit.document(),
+        "coverage": result.coverage,
     }
 
 

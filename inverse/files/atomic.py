@@ -45,12 +45,13 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
 
 def json_text(document: Mapping[str, Any]) -> str:
     """A document as JSON that every reader takes: null where a figure is infinite or no number."""
-    return json.dumps(_finite(document), indent=1, allow_nan=False)
+    return json.dumps(finite(document), indent=1, allow_nan=False)
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """Plain data with None for what is not a finite number, as terms without a value are: JSON has no word for it."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
-        return {key: _finite(item) for key, item in value.items()}
-    return [_finite(item) for item in value] if isinstance(value, list | tuple) else value
+        return {key: finite(item) for key, item in value.items()}
+    return [finite(item) for item in value] if isinstance(value, list | tuple) else value

@@ -164,6 +164,14 @@ class Pattern:
         return signs
 
     @cached_property
+    def faces_by_sides(self) -> dict[int, list[int]]:
+        """Facets by their numbers of sides, in the order in which these first occur."""
+        found: dict[int, list[int]] = {}
+        for f, face in enumerate(self.faces_vertices):
+            found.setdefault(len(face), []).append(f)
+        return found
+
+    @cached_property
     def edge_between(self) -> dict[frozenset[int], int]:
         """Number of the edge between two vertices."""
         return _numbers(self.edges_vertices)

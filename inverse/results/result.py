@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from inverse._types import FloatArray
 from inverse.certify import Certificate
+from inverse.files.atomic import finite
 from inverse.origami.pattern import Design
 from inverse.pictures.design_state import Surface
 from inverse.policy.attempts import Attempt
@@ -126,7 +126,7 @@ class Result:
             "seconds": self.seconds,
             "specification": self.specification,
         }
-        return {key: _finite(value) for key, value in told.items()}
+        return {key: finite(value) for key, value in told.items()}
 
     def save(self, folder: Path | str, *, pictures: bool = True) -> list[str]:
         """Write design, certificate, report and pictures, as the command line does.
@@ -156,12 +156,3 @@ class SolveError(RuntimeError):
     def __init__(self, result: Result) -> None:
         self.result = result
         super().__init__(result.status)
-
-
-def _finite(value: Any) -> Any:
-    """The same with None for what is not a finite number, as terms without a value are: JSON has no word for it."""
-    if isinstance(value, Mapping):
-        return {key: _finite(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

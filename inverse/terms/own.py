@@ -15,7 +15,6 @@ from inverse.errors import InputError
 from inverse.extending.loading import told
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel, Residual
-from inverse.origami.pattern import Pattern
 from inverse.words import did_you_mean
 
 Function = Callable[[casadi.SX, casadi.SX], Any]
@@ -181,15 +180,9 @@ def _groups(model: DesignModel, per: Per) -> list[IntArray]:
         return [np.asarray(pattern.edges_vertices, np.int64)]
     if per == "mesh":
         return [np.arange(pattern.n_vertices)[None]]
-    return [np.array([pattern.faces_vertices[f] for f in facets], np.int64) for facets in by_sides(pattern)]
-
-
-def by_sides(pattern: Pattern) -> list[list[int]]:
-    """Facets, grouped by how many sides they have."""
-    found: dict[int, list[int]] = {}
-    for f, face in enumerate(pattern.faces_vertices):
-        found.setdefault(len(face), []).append(f)
-    return list(found.values())
+    return [
+        np.array([pattern.faces_vertices[f] for f in facets], np.int64) for facets in pattern.faces_by_sides.values()
+    ]
 
 
 def _most_in_a_row(sparsity: casadi.Sparsity) -> int:

@@ -12,7 +12,7 @@ from inverse.errors import InputError
 from inverse.extending.registry import Registry
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
-from inverse.terms.own import Function, Own, Per, by_sides
+from inverse.terms.own import Function, Own, Per
 
 Range = tuple[float, float]
 
@@ -39,7 +39,7 @@ class OwnConstraint(Own):
         labels = {
             "vertex": [f"vertex {v}" for v in range(model.pattern.n_vertices)],
             "edge": [f"edge {a}-{b}" for a, b in model.pattern.edges_vertices.tolist()],
-            "facet": [f"facet {f}" for facets in by_sides(model.pattern) for f in facets],
+            "facet": [f"facet {f}" for facets in model.pattern.faces_by_sides.values() for f in facets],
             "mesh": ["all vertices"],
         }[self.per]
         found: list[Constraint] = []

@@ -135,10 +135,8 @@ def fit_vertices(model: DesignModel, fit_points: FitPoints) -> list[IntArray]:
         _, n = pattern.grid
         i, j = np.divmod(np.arange(pattern.n_vertices), n + 1)
         return [np.flatnonzero((i % 2 == 0) & (j % 2 == 0))[:, None]]
-    by_sides: dict[int, list[tuple[int, ...]]] = {}
-    for face in pattern.faces_vertices:
-        by_sides.setdefault(len(face), []).append(face)
-    return [np.array(group, np.int64) for group in by_sides.values()]
+    facets = pattern.faces_by_sides.values()
+    return [np.array([pattern.faces_vertices[f] for f in some], np.int64) for some in facets]
 
 
 def mean_points(points: FloatArray, groups: list[IntArray]) -> FloatArray:
