@@ -73,8 +73,7 @@ def check(design: Path | str | Design) -> Certificate:
     """
     from inverse import certify
     from inverse.files import fold_file
-    from inverse.files.fold_format import frame_of
 
     if isinstance(design, Path | str):
         return certify.check(design)
-    return certify.check_frame(frame_of(fold_file.document(design)))
+    return certify.check_frame(fold_file.frame(design))

@@ -12,7 +12,7 @@ import numpy as np
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.files.atomic import write_atomically
-from inverse.files.fold_format import FoldFrame, read_frame
+from inverse.files.fold_format import FoldFrame, frame_of, read_frame
 from inverse.limits import check_extent
 from inverse.origami import folding, geometry
 from inverse.origami.holes import hole_strips
@@ -24,6 +24,15 @@ def document(design: Design) -> dict[str, Any]:
     root = _root(design, geometry.fold_angles(design.pattern, design.vertices_coords))
     root["file_frames"] = [_flat_frame(design, "developed", 0.0), _flat_frame(design, "flat-folded", np.pi)]
     return root
+
+
+def frame(design: Design) -> FoldFrame:
+    """What a design's file would say, for the certificate: the same as writing and reading it.
+
+    Raises:
+        InputError: coordinates that no file can hold.
+    """
+    return frame_of(document(design))
 
 
 def state_document(design: Design, t: float, vertices_coords: FloatArray) -> dict[str, Any]:

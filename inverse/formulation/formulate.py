@@ -37,7 +37,7 @@ from inverse.spec import (
 )
 from inverse.spec.footprint import FootprintLimits, State, radians
 from inverse.surfaces import Target
-from inverse.surfaces.named import TARGETS, moved
+from inverse.surfaces.named import TARGETS
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms.fitting import Fitting
 from inverse.terms.goal import Goal
@@ -159,7 +159,7 @@ def build_target(loaded: Loaded, origin: FloatArray = NOWHERE, given: Given = NO
     Raises:
         InputError: with the place in the specification; a surface that reaches too far is refused here, whatever it is.
     """
-    target = _target(loaded, origin) if given.target is None else moved(given.target, origin)
+    target = _target(loaded, origin) if given.target is None else given.target.moved(origin)
 
     def check() -> None:
         points, _ = target.triangles()
@@ -198,18 +198,14 @@ def _target(loaded: Loaded, origin: FloatArray) -> Target:
     if isinstance(keys, TubeKeys):
         return _tube_target(loaded, keys, origin)
     if isinstance(keys, SurfaceKeys):
-        return moved(called(loaded, "target", "surface", TARGETS, keys.parameters), origin)
+        return called(loaded, "target", "surface", TARGETS, keys.parameters).moved(origin)
     return within(loaded, ("target", "mesh"), lambda: _mesh(loaded.folder / keys.mesh, origin))
 
 
 def _mesh(path: Path, origin: FloatArray) -> MeshTarget:
-    from inverse.surfaces.mesh import MeshTarget, read_mesh
+    from inverse.surfaces.mesh import read_mesh
 
-    mesh = read_mesh(path)
-    if not origin.any():
-        return mesh
-    vertices, triangles = mesh.triangles()
-    return MeshTarget(vertices - origin, triangles)
+    return read_mesh(path).moved(origin)
 
 
 def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:

@@ -12,7 +12,6 @@ from inverse._types import FloatArray
 from inverse.certify import Certificate, check_frame
 from inverse.errors import InputError
 from inverse.files import fold_file
-from inverse.files.fold_format import frame_of
 from inverse.formulation.formulate import Formulation, formulate
 from inverse.nlp.point import Point
 from inverse.origami.pattern import Design
@@ -234,7 +233,7 @@ class Policy:
             point = balanced(polish(point))
         design = asked.goal.model.design(point.variables)
         polished = time.perf_counter()
-        certificate = check_frame(frame_of(fold_file.document(design)))
+        certificate = check_frame(fold_file.frame(design))
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished
         with np.errstate(over="ignore", invalid="ignore"):  # figures that are no numbers are told as such

@@ -12,7 +12,6 @@ from inverse._types import IntArray
 from inverse.certify import Certificate, check_frame
 from inverse.errors import InputError
 from inverse.files import fold_file
-from inverse.files.fold_format import frame_of
 from inverse.origami.pattern import CFL, FL, Design
 from inverse.repair import grid, line_types
 from inverse.repair.assignments import foldings
@@ -83,7 +82,7 @@ def _repaired(network: Network, is_design: bool, words: tuple[str | None, str | 
         result = snapped(original)
         comparable = result.design.vertices_coords
     design = result.design
-    certificate = check_frame(frame_of(fold_file.document(design)))
+    certificate = check_frame(fold_file.frame(design))
     inner = design.pattern.edges_type[design.pattern.interior_edges]
     report |= {
         "converged": not result.faults,

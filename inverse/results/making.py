@@ -13,7 +13,6 @@ from inverse.certify import check_frame
 from inverse.context import triangulated
 from inverse.errors import InputError
 from inverse.files import fold_file
-from inverse.files.fold_format import frame_of
 from inverse.formulation.context import read_context
 from inverse.formulation.formulate import Formulation, formulate, moved_back
 from inverse.formulation.given import Given
@@ -117,7 +116,7 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
 def _moved_back(outcome: Outcome, origin: FloatArray) -> Outcome:
     """An outcome in the coordinates of the specification, certified there: what was solved was near to an origin."""
     design = outcome.design.moved_to(outcome.design.vertices_coords + origin)
-    certificate = check_frame(frame_of(fold_file.document(design)))
+    certificate = check_frame(fold_file.frame(design))
     return replace(outcome, design=design, certificate=certificate)
 
 

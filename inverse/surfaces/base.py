@@ -96,8 +96,48 @@ class Target(ABC):
         heights = (vertices - frame.origin) @ frame.axes[2]
         return MeshTarget(vertices - (1 - share) * heights[:, None] * frame.axes[2], triangles)
 
+    def moved(self, origin: FloatArray) -> Target:
+        """The surface in coordinates relative to a point (3,) of its own."""
+        return _Moved(self, origin) if origin.any() else self
+
     def samples(self) -> tuple[FloatArray, FloatArray]:
         """Centroids (T, 3) of the surface's triangles and their areas (T,)."""
         vertices, triangles = self.triangles()
         a, b, c = vertices[triangles].transpose(1, 0, 2)
         return (a + b + c) / 3, np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
+
+class _Moved(Target):
+    """A surface that knows only its own coordinates, in others."""
+
+    def __init__(self, target: Target, origin: FloatArray) -> None:
+        self._target, self._origin = target, origin
+
+    @property
+    def has_kinks(self) -> bool:  # type: ignore[override]
+        """As the surface's."""
+        return self._target.has_kinks
+
+    def closest(self, points: FloatArray) -> ClosestPoints:
+        """See :meth:`Target.closest`."""
+        found = self._target.closest(points + self._origin)
+        return ClosestPoints(found.feet - self._origin, found.weights)
+
+    def triangles(self) -> tuple[FloatArray, IntArray]:
+        """See :meth:`Target.triangles`."""
+        vertices, triangles = self._target.triangles()
+        return vertices - self._origin, triangles
+
+    @property
+    def frame(self) -> Frame:
+        """See :meth:`Target.frame`."""
+        frame = self._target.frame
+        return Frame(frame.origin - self._origin, frame.axes, frame.extent)
+
+    def residual(self, point: casadi.SX) -> casadi.SX | None:
+        """See :meth:`Target.residual`."""
+        return self._target.residual(point + casadi.DM(self._origin))
+
+    def flattened(self, share: float) -> Target:
+        """See :meth:`Target.flattened`."""
+        return _Moved(self._target.flattened(share), self._origin)

@@ -53,6 +53,10 @@ class MeshTarget(Target):
         self._triangles = np.ascontiguousarray(triangles[keep])
         self._normals = normals[keep] / area[keep, None]
 
+    def moved(self, origin: FloatArray) -> MeshTarget:
+        """See :meth:`Target.moved`."""
+        return MeshTarget(self._vertices - origin, self._triangles) if origin.any() else self
+
     def triangles(self) -> tuple[FloatArray, IntArray]:
         """See :meth:`Target.triangles`."""
         return self._vertices, self._triangles

@@ -14,7 +14,6 @@ from inverse import InputError
 from inverse.formulation.formulate import formulate
 from inverse.origami.pattern import Design
 from inverse.surfaces.mesh import MeshTarget
-from inverse.surfaces.named import moved
 from inverse.surfaces.parametric import HeightTarget
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -126,8 +125,8 @@ def test_a_far_target_is_moved(kind: str, tmp_path: Path) -> None:
 def test_moved_surfaces() -> None:
     origin = np.array([3.0, -2.0, 0.5])
     target = HeightTarget("0.1*x*y", [[2, 4], [-3, -1]])
-    there = moved(target, origin)
-    assert moved(target, 0 * origin) is target
+    there = target.moved(origin)
+    assert target.moved(0 * origin) is target
     points = np.random.default_rng(0).standard_normal((9, 3))
     here, away = target.closest(points + origin), there.closest(points)
     assert_close(away.feet, here.feet - origin, 1e-12)

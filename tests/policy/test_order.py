@@ -193,8 +193,7 @@ def test_what_has_a_number_is_polished_before_it_is_judged(not_a_number: Any, mo
     formulation.free_range = None
     for name in ("polish", "balanced"):
         monkeypatch.setattr(steps, name, lambda at, name=name: SimpleNamespace(variables=f"{at.variables}, {name}"))
-    monkeypatch.setattr(steps.fold_file, "document", lambda design: design)
-    monkeypatch.setattr(steps, "frame_of", lambda document: document)
+    monkeypatch.setattr(steps.fold_file, "frame", lambda design: design)
     monkeypatch.setattr(steps, "check_frame", lambda frame: f"certificate of {frame}")
     monkeypatch.setattr(verdict, "range_faults", lambda *_: ())
     monkeypatch.setattr(verdict, "judge", lambda at, _: f"judgement on {at.variables}")

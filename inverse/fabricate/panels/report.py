@@ -8,7 +8,6 @@ from inverse.certify import check_frame
 from inverse.fabricate.panels.contacts import Contact, first_contacts, penetrations
 from inverse.fabricate.panels.panels import Panels
 from inverse.files import fold_file
-from inverse.files.fold_format import frame_of
 
 
 def report_lines(panels: Panels, states: int = 24) -> list[str]:
@@ -35,7 +34,7 @@ def report_lines(panels: Panels, states: int = 24) -> list[str]:
     for contact, way in zip(first_contacts(panels, states), ("developed", "flat-folded"), strict=True):
         told = "none" if contact is None else f"panels {_who(panels, contact)}"
         lines.append(f"first contact towards the {way} state: {told}")
-    certificate = check_frame(frame_of(fold_file.document(panels.design)))
+    certificate = check_frame(fold_file.frame(panels.design))
     lines += [f"without thickness, {crossing.sentence}" for crossing in certificate.crossings]
     return lines
 
