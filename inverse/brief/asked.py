@@ -15,7 +15,8 @@ class Asked:
         reached: what was measured.
         unit: of both; ``1`` for shares.
         met: whether the design does what is asked.
-        sentence: the same for people, with what to do where it is not met.
+        sentence: the same for people.
+        advice: what to do about it; empty where it is met.
     """
 
     name: str
@@ -24,3 +25,9 @@ class Asked:
     unit: str
     met: bool
     sentence: str
+    advice: str = ""
+
+    @property
+    def told(self) -> str:
+        """The sentence, and after it the advice if there is one."""
+        return f"{self.sentence}. {self.advice}" if self.advice else self.sentence

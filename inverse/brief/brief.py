@@ -160,12 +160,15 @@ class Brief:
         sentence = f"motion: free of crossing facets from t = {low:.4g} to {high:.4g} degrees"
         if first:
             sentence += f" ({first})"
-        if not reached:
-            sentence += (
-                f"; asked is {asked}. Ask for more with constraints.free_range: [{max(low - 10, 5):.0f}, "
-                f"{min(high + 10, 175):.0f}], or accept it: require.motion: any"
-            )
-        return Asked("motion", wanted, free, "degrees", reached, sentence)
+        if reached:
+            return Asked("motion", wanted, free, "degrees", met=True, sentence=sentence)
+        advice = (
+            f"Ask for more with constraints.free_range: [{max(low - 10, 5):.0f}, {min(high + 10, 175):.0f}], or accept "
+            "it: require.motion: any"
+        )
+        return Asked(
+            "motion", wanted, free, "degrees", met=False, sentence=f"{sentence}; asked is {asked}", advice=advice
+        )
 
 
 def _largest(samples: Samples, surface: Surface) -> tuple[float, FloatArray]:
@@ -191,4 +194,4 @@ def _asked(
     have, limit = (f"{value:.3g}" if unit == "1" and name == "slenderness" else held.length(value, unit)
                    for value in (reached, asked))  # fmt: skip
     sentence = f"{name}: {text.format(have)}, {bound} {limit} asked"
-    return Asked(name, asked, reached, unit, met, sentence if met else f"{sentence}. {advice}")
+    return Asked(name, asked, reached, unit, met, sentence, "" if met else advice)

@@ -111,13 +111,13 @@ def _footprint(design: Design, limits: Sequence[Mapping[str, Any]]) -> list[Aske
         have, most = (length(one[key], design.unit, power) for key in ("value", "limit"))
         met = one["value"] <= one["limit"] * (1 + EXACT)
         sentence = f"footprint: the {one['state']} {one['measure']} is {have}, at most {most} asked"
-        if not met:
-            sentence += ". Allow it more: constraints.footprint"
-        found.append(Asked(f"footprint.{one['measure']}", one["limit"], one["value"], design.unit, met, sentence))
+        advice = "" if met else "Allow it more: constraints.footprint"
+        name = f"footprint.{one['measure']}"
+        found.append(Asked(name, one["limit"], one["value"], design.unit, met, sentence, advice))
     return found
 
 
 def _exact(name: str, off: float, allowed: float, unit: str, text: str, advice: str) -> Asked:
     met = off <= allowed
-    told = f"{name}: held" if met else f"{name}: {text.format(length(off, unit))}. {advice}"
-    return Asked(name, 0.0, off, unit, met, told)
+    sentence = f"{name}: held" if met else f"{name}: {text.format(length(off, unit))}"
+    return Asked(name, 0.0, off, unit, met, sentence, "" if met else advice)

@@ -85,7 +85,7 @@ def solve(
     if as_json:
         print(json_text(_summary(result, folder)))
     else:
-        print(result.status if result.solved else f"NOT DONE: {result.status}", file=sys.stderr)
+        print("\n- ".join(_ending(result)), file=sys.stderr)
         for sentence in result.verdicts:
             print(sentence)
         fit = result.fit
@@ -213,6 +213,14 @@ def run(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         return interrupts.told()
     return result if isinstance(result, int) else 0
+
+
+def _ending(result: Result) -> list[str]:
+    """How a solve ended, and what of the brief is missed if that is all."""
+    if result.ending != "not_as_asked":
+        return [result.status if result.solved else f"NOT DONE: {result.status}"]
+    missed = [one.told for one in result.asked if not one.met]
+    return ["NOT DONE: certified and converged, but not as asked:", *missed]
 
 
 def _summary(result: Result, folder: Path) -> dict[str, object]:

@@ -126,7 +126,7 @@ def _moved_back(outcome: Outcome, origin: FloatArray) -> Outcome:
 
 def _ending(policy: Policy, near: Outcome, outcome: Outcome, brief: Brief) -> tuple[str, list[str]]:
     ending, details = endings.ending_of(policy, outcome)
-    missed = [one.sentence for one in brief.asked if not one.met]
+    missed = [one.told for one in brief.asked if not one.met]
     if ending == endings.SOLVED and missed:
         return "not_as_asked", missed
     if ending == "not_certified" and near.certificate.certified:
