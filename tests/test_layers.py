@@ -60,6 +60,7 @@ ARROWS: dict[str, set[str]] = {
     "results": GROUND
     | {"origami", "nlp", "files", "spec", "terms", "formulation", "certify", "policy", "context", "pictures", "repair"},
     "solve": {"origami", "files", "surfaces", "spec", "formulation", "certify", "policy", "results"},
+    "showing": {"_types", "origami", "spec", "formulation", "pictures"},
     # Leaves and front doors: no room above imports them.
     "fabricate/units": set(),
     "fabricate/extras": GROUND,
@@ -98,6 +99,7 @@ ARROWS: dict[str, set[str]] = {
         "repair",
         "results",
         "solve",
+        "showing",
         "fabricate/panels",
         "fabricate/film",
         "fabricate/formats",

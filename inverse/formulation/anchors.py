@@ -113,7 +113,7 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> Anchored:
     whole = [np.concatenate([np.empty(0, np.int64), *sides.get(one.side or "", [])]) for one in asked]
     found = walls.of_anchors(loaded, model, places, whole, tolerance)
     fixed += [constraint for wall in found if (constraint := wall.constraint(model, at, tolerance)) is not None]
-    held = [np.array([v for v, owners in by.items() if k in owners], np.int64) for k in range(len(asked))]
+    held = [np.array(sorted(v for v, owners in by.items() if k in owners), np.int64) for k in range(len(asked))]
     return Anchored(fixed, sliding, places, held, at, found, shared.notes)
 
 
