@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from inverse._types import FloatArray, IntArray
 from inverse.formulation.anchors import sides_of
@@ -85,7 +84,7 @@ def _run(vertices: IntArray) -> str:
     """Numbers in words: first, second to last where they are evenly spaced."""
     numbers = vertices.tolist()
     steps = set(np.diff(vertices).tolist())
-    if len(numbers) > 3 and len(steps) == 1:
+    if len(numbers) > 5 and len(steps) == 1:
         return f"{numbers[0]}, {numbers[1]}, ... {numbers[-1]} (step {steps.pop()})"
     if len(numbers) > 12:
         return f"{', '.join(map(str, numbers[:6]))}, ... {', '.join(map(str, numbers[-3:]))} ({len(numbers)})"
@@ -108,7 +107,7 @@ class _Plan:
         self.from_above = abs(axes[2, 2]) > 0.7
         self.axes = np.eye(3)[:2] if self.from_above else axes[:2]
         vertices, triangles = self.target.triangles()
-        self.rim = _rim(triangles) if self.seed.pattern.n_holes == 0 else []  # a tube hides its rims
+        self.triangles = triangles
         self.surface = vertices
         low, high = self._extent()
         self.scale = float(min(DRAWN[0] / (high - low)[0], DRAWN[1] / (high - low)[1]))
@@ -153,14 +152,13 @@ class _Plan:
         return page
 
     def _surface(self, page: Drawing) -> None:
-        """The target: its rim, or its outline where it has none."""
-        if len(self.rim):
-            for loop in self.rim:
-                page.marks.append(Line(self.at(self.surface[loop]), TARGET, 1.4, TARGET_FILL))
-        else:
+        """The target: the area within its rim; of tubes and closed surfaces the outline that is seen."""
+        rim = _rim(self.triangles) if self.seed.pattern.n_holes == 0 else []
+        for loop in rim:
+            page.marks.append(Line(self.at(self.surface[loop]), TARGET, 1.4, TARGET_FILL))
+        if not rim:
             flat = self.at(self.surface)
-            hull = ConvexHull(flat).vertices
-            page.marks.append(Line(flat[[*hull, hull[0]]], TARGET, 1.4, TARGET_FILL))
+            page.marks += [Line(flat[edge], TARGET, 1.4) for edge in _outlines(flat, self.triangles)]
 
     def _planes(self, page: Drawing) -> None:
         """Keep-outs, walls and planes of anchors as lines, hatched where the design may not be."""
@@ -308,6 +306,22 @@ def _outline(place: Place) -> FloatArray:
         first, second = across(place.normal)
         return np.asarray(place.centre + place.radius * (np.cos(angle) * first + np.sin(angle) * second))
     return np.empty((0, 3))
+
+
+def _outlines(flat: FloatArray, triangles: IntArray) -> IntArray:
+    """Edges (n, 2) of a surface between triangles that are seen from the front and from behind, and on its rim.
+
+    Args:
+        flat: (V, 2) vertices as they are seen.
+        triangles: (T, 3) int.
+    """
+    a, b, c = flat[triangles].transpose(1, 0, 2)
+    front = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    found, number = np.unique(edges, axis=0, return_inverse=True)
+    fronts = np.bincount(number.ravel(), weights=np.tile(front, 3), minlength=len(found))
+    count = np.bincount(number.ravel(), minlength=len(found))
+    return np.asarray(found[(count == 1) | ((fronts > 0) & (fronts < count))])
 
 
 def _rim(triangles: IntArray) -> list[IntArray]:

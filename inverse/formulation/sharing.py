@@ -144,7 +144,7 @@ def _gap(a: Place, b: Place, model: DesignModel, v: int) -> float:
 
 
 def _check_spots(loaded: Loaded, k: int, found: Shared, vertices: list[int], tolerance: float) -> None:
-    for v in vertices:
+    for v in reversed(vertices):
         place = found.at[v]
         if not isinstance(place, Spot):
             continue

@@ -13,7 +13,7 @@ from inverse._types import FloatArray, IntArray
 from inverse.formulation.places import Flat, Path, Place, Spot, foot, is_above, lies_in
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
-from inverse.origami.geometry import unit
+from inverse.origami import geometry
 from inverse.spec import Anchor, Loaded
 
 UPRIGHT = np.cos(np.radians(45))  # upwards part of the normals of planes that are rather floors than walls
@@ -125,14 +125,14 @@ def _by_path(place: Place, side: IntArray, model: DesignModel, tolerance: float)
     if not isinstance(place, Path):
         return []
     line, points = place.points, model.seed.vertices_coords
-    left = _left(line, points) if (line[0] == line[-1]).all() else None
+    left = _left(line, geometry.facet_centroids(model.pattern, points)) if (line[0] == line[-1]).all() else None
     nearest = [int(np.argmin([np.linalg.norm(foot(one, p) - p) for one in place.pieces])) for p in points[side]]
     found: list[Wall | None] = []
     for s, (start, end) in enumerate(itertools.pairwise(line)):
         along = end - start
         if np.hypot(along[0], along[1]) <= tolerance:
             continue
-        normal = unit(np.array([-along[1], along[0], 0.0]))
+        normal = geometry.unit(np.array([-along[1], along[0], 0.0]))
         whole = _by_plane(Flat(start, normal), model) if left is None else None
         if left is not None:
             whole = Wall("", Flat(start, normal if left else -normal), _all(model))
