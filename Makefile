@@ -22,7 +22,7 @@ demo: $(STAMP) ## solve targets/vault.yaml and say where the pictures are
 setup: $(STAMP) ## make .venv with the locked dependencies and this checkout
 
 test: lint ## lint, types and the tests, without the slow ones
-	$(BIN)/python -m pytest -m "not slow"
+	$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadfile
 
 test-slow: $(STAMP) ## only the slow tests
 	$(BIN)/python -m pytest -m slow
