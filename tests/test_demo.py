@@ -19,13 +19,13 @@ WEST = np.array([[-7.732, -10.610, 20.579], [-4.236, 12.547, 20.640]])
 EAST = np.array([[3.410, -12.308, 18.937], [6.970, 10.840, 18.937]])
 
 
-def solved(name: str, gain: float = 0.1) -> inverse.Result:
+def solved(name: str) -> inverse.Result:
     result = inverse.solve(inverse.load(TARGETS / name))
     assert result.certified, result.status
     assert result.converged, result.status
     assert result.as_asked
     assert result.coverage.covered >= 0.92
-    assert result.report["fit"]["rms"] < gain * result.report["fit"]["start_rms"]
+    assert result.report["fit"]["rms"] < 0.1 * result.report["fit"]["start_rms"]
     return result
 
 
@@ -55,7 +55,7 @@ def test_the_vault_hangs_on_both_eaves_and_keeps_its_headroom() -> None:
 def test_the_courtyard_is_covered_and_nothing_passes_its_walls() -> None:
     """Measured by areas in plan: what is under the sky without a facet, and what is beyond the walls."""
     shapely = pytest.importorskip("shapely")
-    result = solved("courtyard.yaml", gain=0.25)  # bent less than it could be, for the packet's width
+    result = solved("courtyard.yaml")
     points, court = result.design.vertices_coords, shapely.box(-7, -4.5, 7, 4.5)
     facets = [shapely.Polygon(points[list(face), :2]).buffer(0) for face in result.design.pattern.faces_vertices]
     roof = shapely.union_all(facets)
@@ -65,8 +65,8 @@ def test_the_courtyard_is_covered_and_nothing_passes_its_walls() -> None:
     table = points.reshape(15, 19, 3)
     for side, axis, wall in ((table[0], 0, -7), (table[-1], 0, 7), (table[:, 0], 1, -4.5), (table[:, -1], 1, 4.5)):
         assert np.abs(side[:, axis] - wall).max() <= 1e-8
-    assert 6.3 < points[:, 2].max() < 7
-    assert result.report["footprint"]["flat-folded"]["extents"][1] <= 3 + 1e-6
+    assert 6.3 < points[:, 2].max() < 7.3
+    assert result.report["footprint"]["flat-folded"]["extents"][0] <= 3 + 1e-6
     assert result.iterations < 120  # 5 seconds of one core
     assert result.certificate.free_range == (0.0, 180.0)
 
