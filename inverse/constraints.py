@@ -153,20 +153,30 @@ def on_point(model: DesignModel, name: str, vertices: IntArray, point: FloatArra
     return _equations(elements, [f"vertex {v}" for v in vertices])
 
 
+def on_line(model: DesignModel, name: str, vertices: IntArray, point: FloatArray, direction: FloatArray) -> Constraint:
+    """Vertices (N,) held on an endless line: a point (3,) and a unit direction (3,), in the seed's unit."""
+    elements = _linear(model, name, vertices, point, _across(direction[None])[0])
+    return _equations(elements, [f"vertex {v}" for v in vertices])
+
+
 def on_segment(model: DesignModel, name: str, vertices: IntArray, start: FloatArray, end: FloatArray) -> Constraint:
     """Vertices (N,) held on segments from ``start`` to ``end``, (N, 3) in the seed's unit, free to slide."""
     along = end - start
     length = np.linalg.norm(along, axis=1)
     along = along / length[:, None]
-    # Two directions across the segment, from the axis that it is least parallel to.
-    helper = np.eye(3)[np.argmin(np.abs(along), axis=1)]
-    first = np.cross(along, helper)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    frame = np.stack([first, np.cross(along, first), along], axis=1)
+    frame = np.concatenate([_across(along), along[:, None]], axis=1)
     elements = _linear(model, name, vertices, start, frame)
     zero = np.zeros(len(vertices))
     upper = np.stack([zero, zero, length / model.scale], axis=1)
     return Constraint(elements, np.zeros_like(upper), upper, tuple(f"vertex {v}" for v in vertices))
+
+
+def _across(along: FloatArray) -> FloatArray:
+    """Two unit vectors, (N, 2, 3), across each of some (N, 3), from the axis that it is least parallel to."""
+    helper = np.eye(3)[np.argmin(np.abs(along), axis=1)]
+    first = np.cross(along, helper)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(along, first)], axis=1)
 
 
 def on_circle(
@@ -186,9 +196,11 @@ def _circle(q: casadi.SX, p: casadi.SX) -> casadi.SX:
     return casadi.vertcat(casadi.dot(offset, normal), (casadi.sumsqr(offset) - radius**2) / (2 * radius))
 
 
-def keep_out(model: DesignModel, name: str, point: FloatArray, normal: FloatArray) -> Constraint:
-    """All vertices on the side of a plane that its normal points to; point and normal (3,)."""
-    vertices = np.arange(model.pattern.n_vertices)
+def keep_out(
+    model: DesignModel, name: str, point: FloatArray, normal: FloatArray, vertices: IntArray | None = None
+) -> Constraint:
+    """Vertices (N,), all if not given, on the side of a plane that its normal points to; point and normal (3,)."""
+    vertices = np.arange(model.pattern.n_vertices) if vertices is None else vertices
     elements = _linear(model, name, vertices, point, normal[None, :] / np.linalg.norm(normal))
     shape = (elements.count, 1)
     return Constraint(elements, np.zeros(shape), np.full(shape, np.inf), tuple(f"vertex {v}" for v in vertices))

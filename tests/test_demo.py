@@ -52,6 +52,25 @@ def test_the_vault_hangs_on_both_eaves_and_keeps_its_headroom() -> None:
     assert result.certificate.free_range == (0.0, 180.0)
 
 
+def test_the_courtyard_is_covered_and_nothing_passes_its_walls() -> None:
+    """Measured by areas in plan: what is under the sky without a facet, and what is beyond the walls."""
+    shapely = pytest.importorskip("shapely")
+    result = solved("courtyard.yaml")
+    points, court = result.design.vertices_coords, shapely.box(-7, -4.5, 7, 4.5)
+    facets = [shapely.Polygon(points[list(face), :2]).buffer(0) for face in result.design.pattern.faces_vertices]
+    roof = shapely.union_all(facets)
+    assert roof.intersection(court).area >= 0.999 * court.area
+    assert np.abs(points[:, 0]).max() <= 7 + 1e-6
+    assert np.abs(points[:, 1]).max() <= 4.5 + 1e-6
+    table = points.reshape(15, 19, 3)
+    for side, axis, wall in ((table[0], 0, -7), (table[-1], 0, 7), (table[:, 0], 1, -4.5), (table[:, -1], 1, 4.5)):
+        assert np.abs(side[:, axis] - wall).max() <= 1e-8
+    assert 6.3 < points[:, 2].max() < 7.3
+    assert result.report["footprint"]["flat-folded"]["extents"][0] <= 3 + 1e-6
+    assert result.iterations < 120  # 5 seconds of one core
+    assert result.certificate.free_range == (0.0, 180.0)
+
+
 def test_the_eaves_are_those_of_the_buildings() -> None:
     context = read_city_json(TARGETS / "vienna_excerpt.city.jsonl", (1275.0, 340849.0, 30.0))
     names = ("UUID_LOD2_011530-cf0ab883-2798-437c-b530", "UUID_LOD2_011502-469b227e-b1ee-4cea-a625")

@@ -74,6 +74,7 @@ ARROWS: dict[str, set[str]] = {
         "repair",
     },
     "solve": {"origami", "files", "surfaces", "spec", "formulation", "certify", "policy", "results"},
+    "showing": {"_types", "origami", "spec", "formulation", "pictures"},
     # Leaves and front doors: no room above imports them.
     "fabricate/units": set(),
     "fabricate/extras": GROUND,
@@ -112,6 +113,7 @@ ARROWS: dict[str, set[str]] = {
         "repair",
         "results",
         "solve",
+        "showing",
         "fabricate/panels",
         "fabricate/film",
         "fabricate/formats",

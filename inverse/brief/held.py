@@ -9,7 +9,6 @@ import numpy as np
 
 from inverse._types import FloatArray
 from inverse.brief.asked import Asked
-from inverse.formulation import anchors
 from inverse.formulation.formulate import Formulation
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
@@ -46,6 +45,7 @@ def requests(
     allowed = EXACT * geometry.diagonal(design.vertices_coords)
     return [
         *_anchors(loaded, formulation, design, allowed),
+        *_walls(formulation, design, allowed),
         *_keep_outs(loaded, formulation, design, allowed),
         *_footprint(design, limits),
     ]
@@ -54,13 +54,29 @@ def requests(
 def _anchors(loaded: Loaded, formulation: Formulation, design: Design, allowed: float) -> list[Asked]:
     origin, points = formulation.goal.origin, design.vertices_coords
     found = []
-    for k, (anchor, vertices) in enumerate(anchors.held(loaded, design.pattern)):
+    asked = loaded.specification.constraints.anchors
+    for k, (anchor, vertices) in enumerate(zip(asked, formulation.anchored.held, strict=True)):
+        if not len(vertices):
+            continue  # others hold all that it names; the notes say so
         off = distances(points[vertices] + origin, anchor.to)
         worst = int(np.argmax(off))
         found.append(
             _exact(f"anchors[{k}]", float(off[worst]), allowed, design.unit,
                    f"vertex {vertices[worst]} is {{}} from its place", "Anchor fewer vertices, or look "
                    "whether they can reach their places at all")
+        )  # fmt: skip
+    return found
+
+
+def _walls(formulation: Formulation, design: Design, allowed: float) -> list[Asked]:
+    found = []
+    for wall in formulation.anchored.walls:
+        depth = -wall.plane.heights(design.vertices_coords[wall.vertices])
+        worst = int(np.argmax(depth))
+        found.append(
+            _exact(wall.name.replace("_", "[", 1) + "]", max(float(depth[worst]), 0.0), allowed, design.unit,
+                   f"vertex {wall.vertices[worst]} is {{}} behind the wall of an anchor",
+                   "Move the target, or write `within: false` at that anchor")
         )  # fmt: skip
     return found
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from inverse.repair.repairing import Repair
     from inverse.results.result import Result
     from inverse.solvers.run import Progress
+    from inverse.spec import Loaded
 
 DONE, NOT_DONE, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
 
@@ -44,6 +45,7 @@ def solve(
     overrides: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
     start: Path | None = None,
     extensions: Annotated[tuple[Path, ...], Parameter(name="--with", negative=())] = (),
+    show: Literal["seed"] | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
     """Design a mesh for a target surface and certify it.
@@ -55,6 +57,8 @@ def solve(
         start: output folder or FOLD file of a design of the same pattern, to go on from instead of the seed.
         extensions: Python file that is RUN first, with all your rights, and registers objectives, constraints,
             measures, targets or patterns of your own; may be repeated.
+        show: seed draws the placed seed with its sides, the numbers of its vertices, anchors and keep-outs, seed.svg
+            and seed.png in the output folder, and solves nothing.
         as_json: print the result as JSON.
     """
     stop = threading.Event()
@@ -71,6 +75,8 @@ def solve(
         folder = saving.output_folder(loaded.specification.name, out)
     if stop.is_set():
         return interrupts.told()
+    if show is not None:
+        return _show(loaded, folder, as_json=as_json)
     with ExitStack() as folders:
         results = folders.enter_context(Results(folder))
         with _Watch() as watch:
@@ -213,6 +219,24 @@ def run(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         return interrupts.told()
     return result if isinstance(result, int) else 0
+
+
+def _show(loaded: Loaded, folder: Path, *, as_json: bool) -> int:
+    """Draw the placed seed and tell its sides."""
+    from inverse.cli.output import write_all
+    from inverse.showing import shown
+
+    seed = shown(loaded)
+    paths = [folder / "seed.svg", folder / "seed.png"]
+    write_all(dict(zip(paths, (seed.drawing.svg(), seed.drawing.png()), strict=True)))
+    for note in seed.notes:
+        print(note, file=sys.stderr)
+    if as_json:
+        print(json_text({"files": [str(path) for path in paths], "seed": seed.table, "notes": list(seed.notes)}))
+    else:
+        for line in [*seed.table, *(f"wrote {path}" for path in paths)]:
+            print(line)
+    return 0
 
 
 def _ending(result: Result) -> list[str]:

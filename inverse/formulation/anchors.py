@@ -1,20 +1,24 @@
-"""Anchors of a specification as constraints: which vertices, where, and how many freedoms they take."""
+"""Anchors of a specification: which vertices, where, and the constraints that hold them there."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from inverse import constraints
 from inverse._types import FloatArray, IntArray
-from inverse.errors import InputError
+from inverse.formulation import sharing, walls
+from inverse.formulation.places import Flat, Path, Place, Ring, Spot, Straight
+from inverse.formulation.walls import Wall
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
 from inverse.origami.pattern import Pattern
 from inverse.spec import Anchor, Loaded
 
 END = 1e-6  # a vertex closer than this fraction of a segment to its end sits on the end
+MEET = 0.01  # mean edges: places so near to each other meet
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +53,33 @@ class PolylineAnchor:
         return PolylineAnchor(self.name, self.vertices, self.polyline, segments)
 
 
-def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[Constraint], list[PolylineAnchor]]:
-    """Anchors as constraints; those on polylines apart, since their vertices may change segments.
+@dataclass(frozen=True, eq=False)
+class Anchored:
+    """The anchors of a task.
+
+    Attributes:
+        fixed: constraints that stay as they are: anchors, and walls that the design stays within.
+        sliding: anchors on polylines, whose vertices may change segments.
+        places: of every anchor, in the order of the specification.
+        held: for every anchor the vertices that it holds, (N,) int; some together with others.
+        at: where each vertex that is held is held.
+        walls: what the design stays within.
+        notes: sentences about vertices that several anchors name.
+    """
+
+    fixed: list[Constraint]
+    sliding: list[PolylineAnchor]
+    places: list[Place]
+    held: list[IntArray]
+    at: Mapping[int, Place]
+    walls: list[Wall]
+    notes: tuple[str, ...]
+
+
+def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> Anchored:
+    """The anchors of a specification as constraints.
+
+    A vertex that several anchors name, as a corner of two sides, is held where their places meet.
 
     Args:
         loaded: the specification.
@@ -58,100 +87,77 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[
         origin: (3,) point of the specification's coordinates that the model's are relative to.
 
     Raises:
-        InputError: an anchor names no boundary or no vertex, several vertices share a point, a vertex is held
-            more than three times, or the anchors take more freedoms than the pattern has.
+        InputError: an anchor names no boundary or no vertex, several vertices share a point, a vertex is named by
+            two anchors whose places do not meet, the anchors take more freedoms than the pattern has, or the design
+            is on no side of a wall.
     """
-    fixed, sliding = [], []
-    demand = _Demand(loaded, model.pattern.degrees_of_freedom)
-    for k, (anchor, vertices) in enumerate(held(loaded, model.pattern)):
-        name = f"anchor_{k}"
-        demand.add(k, anchor, vertices)
-        if anchor.to.polyline is not None:
-            sliding.append(_on_polyline(name, vertices, np.array(anchor.to.polyline) - origin, model))
-        elif anchor.to.polygon is not None:
-            corners = np.array([*anchor.to.polygon, anchor.to.polygon[0]]) - origin
-            sliding.append(_on_polyline(name, vertices, corners, model))
-        else:
-            fixed.append(_fixed(name, vertices, anchor, model, origin))
-    return fixed, sliding
-
-
-def held(loaded: Loaded, pattern: Pattern) -> list[tuple[Anchor, IntArray]]:
-    """Every anchor of a specification with the vertices (N,) that it holds."""
     asked = loaded.specification.constraints.anchors
-    return [(anchor, _vertices(loaded, k, anchor, pattern)) for k, anchor in enumerate(asked)]
+    places = [place_of(anchor, origin) for anchor in asked]
+    lines = [_lines(loaded, k, anchor, model.pattern) for k, anchor in enumerate(asked)]
+    tolerance = MEET * model.scale
+    shared = sharing.shared(loaded, model, places, lines, tolerance)
+    at, by = shared.at, shared.by
+    groups: dict[tuple[int, ...], list[int]] = {}
+    for vertex, owners in by.items():
+        groups.setdefault(owners, []).append(vertex)
+    fixed: list[Constraint] = []
+    sliding: list[PolylineAnchor] = []
+    for owners in sorted(groups):
+        name, vertices = "anchor_" + "+".join(map(str, owners)), np.array(groups[owners], np.int64)
+        if len(owners) == 1:
+            _hold(name, vertices, places[owners[0]], model, fixed, sliding)
+        else:  # each where the places of its anchors meet
+            for vertex in groups[owners]:
+                _hold(f"{name} at {vertex}", np.array([vertex]), at[vertex], model, fixed, sliding)
+    sides = sides_of(model.pattern)
+    whole = [np.concatenate([np.empty(0, np.int64), *sides.get(one.side or "", [])]) for one in asked]
+    found = walls.of_anchors(loaded, model, places, whole, tolerance)
+    fixed += [constraint for wall in found if (constraint := wall.constraint(model, at, tolerance)) is not None]
+    held = [np.array(sorted(v for v, owners in by.items() if k in owners), np.int64) for k in range(len(asked))]
+    return Anchored(fixed, sliding, places, held, at, found, shared.notes)
 
 
-@dataclass
-class _Demand:
-    """What anchors ask for so far: points, equations of every vertex, and freedoms of the pattern."""
-
-    loaded: Loaded
-    freedoms: int
-    held: dict[int, int] = field(default_factory=dict)
-    taken: dict[tuple[float, ...], int] = field(default_factory=dict)
-    total: int = 0
-
-    def add(self, k: int, anchor: Anchor, vertices: IntArray) -> None:
-        """Count anchor k in.
-
-        Raises:
-            InputError: vertices share a point, a vertex is held more than three times, or freedoms run out.
-        """
-        source, rows, point = self.loaded.source, _rows(anchor), anchor.to.point
-        if point is not None and len(vertices) > 1:
-            raise source.error(
-                _key(k, "to"), f"{len(vertices)} vertices are anchored to one point, where they would coincide",
-                "Anchor a single vertex to a point, or a side to a polyline.",
-            )  # fmt: skip
-        if point is not None and self.taken.setdefault(point, int(vertices[0])) != vertices[0]:
-            raise source.error(
-                _key(k, "to"), f"vertex {vertices[0]} is anchored to the point where vertex {self.taken[point]} is"
-            )
-        for vertex in vertices.tolist():
-            self.held[vertex] = self.held.get(vertex, 0) + rows
-            if self.held[vertex] > 3:
-                raise source.error(
-                    _key(k), f"vertex {vertex} is held by {self.held[vertex]} equations of this and earlier anchors, "
-                    "but a vertex has 3 coordinates", "Leave the vertex out of one of the anchors.",
-                )  # fmt: skip
-        left = self.freedoms - self.total
-        self.total += rows * len(vertices)
-        if self.total > self.freedoms:
-            raise source.error(
-                _key(k),
-                f"this anchor takes {rows * len(vertices)} freedoms, but of the pattern's {self.freedoms} only {left} "
-                "are left",
-                "Anchor fewer vertices, for example with `every: 2`.",
-            )
+def place_of(anchor: Anchor, origin: FloatArray) -> Place:
+    """Where an anchor holds its vertices, relative to a point (3,) of the specification's coordinates."""
+    to = anchor.to
+    if to.point is not None:
+        return Spot(np.array(to.point) - origin)
+    if to.polyline is not None:
+        return Path(np.array(to.polyline) - origin)
+    if to.polygon is not None:
+        return Path(np.array([*to.polygon, to.polygon[0]]) - origin)
+    if to.plane is not None:
+        normal = np.array(to.plane.normal)
+        return Flat(np.array(to.plane.point) - origin, normal / np.linalg.norm(normal))
+    assert to.circle is not None  # exactly one is given
+    normal = np.array(to.circle.normal)
+    return Ring(np.array(to.circle.center) - origin, normal / np.linalg.norm(normal), to.circle.radius)
 
 
-def _key(k: int, *more: str) -> tuple[str | int, ...]:
-    return ("constraints", "anchors", k, *more)
-
-
-def _vertices(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> IntArray:
+def _lines(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> list[IntArray]:
+    """The vertices that an anchor names, line by line."""
+    key = ("constraints", "anchors", k)
     if anchor.vertices is not None:
         vertices = np.array(anchor.vertices, np.int64)
         if vertices.max() >= pattern.n_vertices:
             raise loaded.source.error(
-                _key(k, "vertices"),
+                (*key, "vertices"),
                 f"vertex {vertices.max()} is not there: the pattern has vertices 0 to {pattern.n_vertices - 1}",
             )
-        return vertices[:: anchor.every]
-    sides = _sides(pattern)
+        return [vertices[:: anchor.every]]
+    sides = sides_of(pattern)
     if anchor.side not in sides:
         what, own = {0: ("A grid", "u0, u1, v0 and v1")}.get(
             pattern.n_holes, ("A tube", "v0, v1 and ends, both of these")
         )
         raise loaded.source.error(
-            _key(k, "side"), f"{anchor.side!r} names no boundary of this pattern",
+            (*key, "side"), f"{anchor.side!r} names no boundary of this pattern",
             f"{what} has the sides {own}; any pattern takes `vertices: [...]` instead.",
         )  # fmt: skip
-    return np.concatenate([line[:: anchor.every] for line in sides[anchor.side]])
+    return [line[:: anchor.every] for line in sides[anchor.side]]
 
 
-def _sides(pattern: Pattern) -> dict[str, list[IntArray]]:
+def sides_of(pattern: Pattern) -> dict[str, list[IntArray]]:
     """Vertices along the sides of a grid or the open ends of a tube, by the words of specifications."""
     if pattern.grid is None:
         return {}
@@ -163,24 +169,25 @@ def _sides(pattern: Pattern) -> dict[str, list[IntArray]]:
     return along_v | {"u0": [table[0]], "u1": [table[-1]]}
 
 
-def _rows(anchor: Anchor) -> int:
-    """Equations per vertex."""
-    return 3 if anchor.to.point is not None else 1 if anchor.to.plane is not None else 2
-
-
-def _fixed(name: str, vertices: IntArray, anchor: Anchor, model: DesignModel, origin: FloatArray) -> Constraint:
-    to = anchor.to
-    if to.point is not None:
-        return constraints.on_point(model, name, vertices, np.array(to.point) - origin)
-    if to.plane is not None:
-        normal = np.array(to.plane.normal)
-        point = np.array(to.plane.point) - origin
-        return constraints.on_plane(model, name, vertices, point, normal / np.linalg.norm(normal))
-    if to.circle is None:
-        raise InputError("an anchor needs one of point, polyline, polygon, plane, circle")
-    return constraints.on_circle(
-        model, name, vertices, np.array(to.circle.center) - origin, np.array(to.circle.normal), to.circle.radius
-    )
+def _hold(
+    name: str,
+    vertices: IntArray,
+    place: Place,
+    model: DesignModel,
+    fixed: list[Constraint],
+    sliding: list[PolylineAnchor],
+) -> None:
+    """Add what holds vertices (N,) in a place."""
+    if isinstance(place, Spot):
+        fixed.append(constraints.on_point(model, name, vertices, place.at))
+    elif isinstance(place, Straight):
+        fixed.append(constraints.on_line(model, name, vertices, place.point, place.direction))
+    elif isinstance(place, Flat):
+        fixed.append(constraints.on_plane(model, name, vertices, place.point, place.normal))
+    elif isinstance(place, Ring):
+        fixed.append(constraints.on_circle(model, name, vertices, place.centre, place.normal, place.radius))
+    else:
+        sliding.append(_on_polyline(name, vertices, place.points, model))
 
 
 def _on_polyline(name: str, vertices: IntArray, polyline: FloatArray, model: DesignModel) -> PolylineAnchor:

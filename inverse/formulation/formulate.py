@@ -14,9 +14,10 @@ from inverse._types import FloatArray
 from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.formulation import anchors, own_terms, placement
-from inverse.formulation.anchors import PolylineAnchor
+from inverse.formulation.anchors import Anchored, PolylineAnchor
 from inverse.formulation.calls import called
 from inverse.formulation.given import NOTHING, Given
+from inverse.formulation.places import Flat, lies_in
 from inverse.formulation.within import within
 from inverse.limits import check_coordinates, check_extent
 from inverse.model import DesignModel
@@ -30,6 +31,7 @@ from inverse.spec import (
     FilePattern,
     GridPattern,
     HeightKeys,
+    KeepOut,
     Loaded,
     SurfaceKeys,
     TubeKeys,
@@ -66,6 +68,7 @@ class Formulation:
         sliding: anchors on polylines.
         free_range: (low, high) radians, the part of the motion in which no facets may cross; None if none is asked.
         given: what a caller gave besides the specification.
+        anchored: where vertices are held, and what the design stays within.
     """
 
     goal: Goal
@@ -74,6 +77,7 @@ class Formulation:
     sliding: list[PolylineAnchor]
     free_range: tuple[float, float] | None
     given: Given
+    anchored: Anchored
 
 
 def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> Formulation:
@@ -112,13 +116,13 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
         "fold_angle": _radians(limits.fold_angle),
     }
     fixed = hard.hard_constraints(model, bounds)
-    anchored, sliding = anchors.build(loaded, model, origin)
+    anchored = anchors.build(loaded, model, origin)
     packed = [constraint for state in goal.packed for constraint in state.constraints()]
     loops = _loops(loaded, model)
     free_range = None if limits.free_range is None else _radians(limits.free_range)
     own = own_terms.constrained(loaded, goal, given)
-    fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model, origin), *packed, *own]
-    return Formulation(goal, terms, fixed, sliding, free_range, given)
+    fixed = [*fixed, *loops, *anchored.fixed, *_keep_outs(loaded, model, origin, anchored), *packed, *own]
+    return Formulation(goal, terms, fixed, anchored.sliding, free_range, given, anchored)
 
 
 def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
@@ -307,17 +311,26 @@ def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:
     )
 
 
-def _keep_outs(loaded: Loaded, model: DesignModel, origin: FloatArray) -> list[Constraint]:
+def _keep_outs(loaded: Loaded, model: DesignModel, origin: FloatArray, anchored: Anchored) -> list[Constraint]:
+    """Half-spaces; vertices that anchors hold in their planes are there already, and no independent rows."""
     found = []
     for k, keep_out in enumerate(loaded.specification.constraints.keep_out):
-        if keep_out.plane is not None:
-            point, normal = np.array(keep_out.plane.point), np.array(keep_out.plane.normal)
-        elif keep_out.below is not None:
-            point, normal = np.array([0.0, 0.0, keep_out.below]), np.array([0.0, 0.0, 1.0])
-        else:
-            point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
-        found.append(hard.keep_out(model, f"keep_out_{k}", point - origin, normal))
+        plane = keep_out_plane(keep_out, origin)
+        held = [v for v, place in anchored.at.items() if lies_in(place, plane, anchors.MEET * model.scale)]
+        free = np.setdiff1d(np.arange(model.pattern.n_vertices), np.array(held, np.int64))
+        found.append(hard.keep_out(model, f"keep_out_{k}", plane.point, plane.normal, free))
     return found
+
+
+def keep_out_plane(keep_out: KeepOut, origin: FloatArray) -> Flat:
+    """The plane of a keep-out, relative to a point (3,), with its normal to where the design stays."""
+    if keep_out.plane is not None:
+        point, normal = np.array(keep_out.plane.point), np.array(keep_out.plane.normal)
+    elif keep_out.below is not None:
+        point, normal = np.array([0.0, 0.0, keep_out.below]), np.array([0.0, 0.0, 1.0])
+    else:
+        point, normal = np.array([0.0, 0.0, keep_out.above]), np.array([0.0, 0.0, -1.0])
+    return Flat(point - origin, normal / np.linalg.norm(normal))
 
 
 def _packed(loaded: Loaded, model: DesignModel) -> tuple[Packed, ...]:

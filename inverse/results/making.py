@@ -103,6 +103,7 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
         footprint=footprint,
         measures=own,
         failed_measures=tuple(failed_measures),
+        notes=formulation.anchored.notes,
         objective=point.objective_terms,
         judgement=outcome.judgement,
         failed=outcome.failed,

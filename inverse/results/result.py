@@ -56,6 +56,7 @@ class Result:
         footprint: extents of the flat states and of others that were asked for, as in ``report.json``.
         measures: values of measures of one's own (:func:`inverse.measure`) by name; NaN where one failed.
         failed_measures: why, as sentences.
+        notes: sentences about how the specification was understood, such as who holds a corner.
         objective: weighted value of every term.
         judgement: how near the design is to a solution.
         failed: what fails of our own verdict, as sentences.
@@ -84,6 +85,7 @@ class Result:
     footprint: Mapping[str, Any]
     measures: Mapping[str, float]
     failed_measures: tuple[str, ...]
+    notes: tuple[str, ...]
     objective: Mapping[str, float]
     judgement: Judgement
     failed: tuple[str, ...]
@@ -172,7 +174,7 @@ class Result:
             pictures: whether to draw.
 
         Returns:
-            Sentences about pictures that could not be drawn.
+            The notes, and sentences about pictures that could not be drawn.
 
         Raises:
             InputError: the folder cannot be written to, or another run is writing to it; what was there is still there.

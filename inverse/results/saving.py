@@ -66,7 +66,7 @@ class Written:
     """How writing went.
 
     Attributes:
-        notes: sentences about what could not be written, if anything.
+        notes: sentences about how the task was understood, and about what could not be written, if anything.
         interrupted: Ctrl-C or SIGTERM came meanwhile, so that pictures are missing.
     """
 
@@ -92,7 +92,9 @@ def write(result: Result | Repair, results: Results, *, pictures: bool = True) -
         InputError: nothing could be written; what was there is still there.
     """
     versions = {name: version(name) for name in PACKAGES} | {"python": platform.python_version()}
-    report = {"name": result.design.name, "status": result.status, **result.report, "versions": versions, "notes": []}
+    asked = list(result.notes) if isinstance(result, Result) else []
+    report = {"name": result.design.name, "status": result.status, **result.report}
+    report |= {"versions": versions, "notes": asked}
     stop = threading.Event()
     try:
         with interrupts.held(stop):
@@ -103,14 +105,14 @@ def write(result: Result | Repair, results: Results, *, pictures: bool = True) -
             results.replace()
     except OSError as error:
         raise unwritable(results.folder, error) from None
-    interrupted = Written(["Interrupted: the results have no pictures."], interrupted=True)
+    interrupted = Written([*asked, "Interrupted: the results have no pictures."], interrupted=True)
     if stop.is_set():
         return interrupted
     if not pictures:
-        return Written([])
+        return Written(asked)
     try:
         with interrupts.raised():
-            return Written(_add_pictures(result, results, report))
+            return Written([*asked, *_add_pictures(result, results, report)])
     except KeyboardInterrupt:
         return interrupted
 
@@ -125,7 +127,7 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
             shown = {"target": result.target, "context": result.context, "caption": result.caption}
         notes = _draw(result.design, shown, new)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
-        _write_json(new / "report.json", report | {"notes": notes, "seconds": seconds})
+        _write_json(new / "report.json", report | {"notes": [*report["notes"], *notes], "seconds": seconds})
         results.add()
     except OSError as error:
         return [f"The pictures cannot be written: {error}"]

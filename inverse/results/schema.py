@@ -133,7 +133,10 @@ def _written() -> Schema:
     """What is told when a report is written."""
     return {
         "versions": {**_mapping(TEXT), "description": "of the packages at work, and of Python"},
-        "notes": {**_list(TEXT), "description": "sentences about pictures that could not be drawn"},
+        "notes": {
+            **_list(TEXT),
+            "description": "sentences about who holds which corner, and about pictures that could not be drawn",
+        },
     }
 
 

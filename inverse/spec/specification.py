@@ -22,6 +22,7 @@ from inverse.spec.fields import (
     Polygon,
     Polyline,
     Positive,
+    Switch,
     refusal,
     row,
     word,
@@ -130,6 +131,22 @@ class Anchor(Model):
         default=1, description="1 to hold all of them, 2 to hold every second, and so on"
     )
     to: PlaceKeys = Field(description="where they are held: point, polyline, polygon, plane or circle")
+    within: Switch | None = Field(
+        default=None,
+        description="whether the place is a wall that the whole design stays within: a plane, or the upright planes "
+        "through a polyline or polygon; if not given, yes for a side on an upright plane, and for polylines and "
+        "polygons where all four sides of a grid are held; else no",
+    )
+
+    @model_validator(mode="after")
+    def _check_within(self) -> Self:
+        if self.within and (self.to.point is not None or self.to.circle is not None):
+            raise refusal(
+                "a point or a circle is no wall, so that nothing can stay within it",
+                "Leave `within` out, or give a plane, polyline or polygon.",
+                key="within",
+            )
+        return self
 
 
 class KeepOut(Model):

@@ -64,7 +64,7 @@ UNKNOWN_KEYS = [
     (
         "side: u0,",
         "|sied: u0,",
-        '"sied" is no key of an anchor: allowed are side, vertices, every, to. Did you mean side?',
+        '"sied" is no key of an anchor: allowed are side, vertices, every, to, within. Did you mean side?',
     ),
     (
         "normal:",
