@@ -100,6 +100,8 @@ def ending_of(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
         return "not_a_number", [f"{name} at {element}"]
     if policy.failure is not None:
         return "failed", details
+    if control.stopped:
+        details = [outcome.kept or "it is the best of the steps that had ended", *details]
     if control.failure is not None:
         return "watch_failed", [f"{type(control.failure).__name__}: {control.failure}", *details]
     if control.stop.is_set():

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from inverse._types import FloatArray
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.policy import verdict
+from inverse.policy.best import BestSoFar
 from inverse.policy.control import Control
 from inverse.solvers.ipopt import APPROACHING, NEAR, STATIC, Ipopt
 from inverse.solvers.projection import polish
@@ -23,8 +21,6 @@ from inverse.spec import SolverKeys
 from inverse.terms.goal import Goal
 
 TOO_FAR = 1.0  # a run without bounds is given up when it leaves them by more than this
-
-Iterate = tuple[float, float, FloatArray]  # violation, objective, variables
 
 
 @dataclass
@@ -38,6 +34,7 @@ class Runs:
         method: the solver, ipopt or nlopt.
         seconds_building: spent on the functions of problems.
         round: number of the round, for whoever watches.
+        best: the best iterates so far.
     """
 
     goal: Goal
@@ -46,8 +43,10 @@ class Runs:
     method: str
     seconds_building: float = 0.0
     round: int = 0
-    _feasible: Iterate = (np.inf, np.inf, np.empty(0))
-    _near: Iterate = (np.inf, np.inf, np.empty(0))
+    best: BestSoFar = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.best = BestSoFar(self.goal)
 
     def solver(self, problem: Problem) -> Ipopt | Slsqp:
         """The solver of a problem."""
@@ -104,27 +103,6 @@ class Runs:
         """Whether there is nothing more to do: stopped, or a term without a value, which no solver mends."""
         return self.control.stopped or run.ending is Ending.INVALID_NUMBER
 
-    def begin(self, x: FloatArray, objective: float) -> None:
-        """Take a design as the best so far; who stops early gets nothing worse."""
-        self._feasible = (verdict.BOUND, objective, x)
-
-    def kept(self, point: Point) -> Point:
-        """The best design so far: an iterate that a polish makes feasible, else the best that was so itself.
-
-        Args:
-            point: where the run ended, with the problem and parameters that a polish takes.
-        """
-        polished = polish(point.moved(self._near[2]))
-        goal = self.goal
-        if goal.packed:  # boxes around the states that have moved
-            polished = polished.moved(goal.start(goal.model.points(polished.variables)))
-        return polished if polished.violation <= verdict.BOUND else point.moved(self._feasible[2])
-
-    @property
-    def best(self) -> FloatArray | None:
-        """The best iterate that was told, (n,), or None before the first one."""
-        return self._feasible[2] if self._feasible[2].size else None
-
     def _is_settled(self, start: Point) -> bool:
         """Whether nothing pulls a start anywhere and all constraints hold; then it is told as an iterate."""
         idle = start.pushed(None)
@@ -162,8 +140,7 @@ class Runs:
 
     def _report(self, progress: Progress) -> bool:
         """Keep the best iterates; False stops the solver."""
-        self._feasible = _better(self._feasible, progress, verdict.BOUND)
-        self._near = _better(self._near, progress, NEAR)
+        self.best.tell(progress)
         facets = len(self.goal.model.pattern.faces_vertices)
         return self.control.tell(f"{facets} facets, round {self.round}", progress)
 
@@ -174,9 +151,3 @@ def _methods(start: Point) -> tuple[str, ...]:
         # Static pivots come near there, but not to the end; linearized, packed states fly about.
         return (STATIC,) if start.multipliers is None else ()
     return (APPROACHING, STATIC) if start.multipliers is None else (STATIC,)
-
-
-def _better(best: Iterate, progress: Progress, tolerated: float) -> Iterate:
-    """The better of two iterates: violations below what is tolerated do not count, then the objective does."""
-    rank = (max(progress.violation, tolerated), progress.objective)
-    return (*rank, progress.variables) if rank < best[:2] else best

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,8 +60,15 @@ def test_the_first_cause_is_told_whatever_followed_from_it(word: str) -> None:
     CAUSES[word](one)
     ending, details = endings.ending_of(one, STALLED)
     assert ending == word
-    first = {"not_a_number": "fit at vertex 3", "watch_failed": "ValueError: broken"}
-    assert details[0] == first.get(word, "it is not stationary")
+    first = {
+        "not_a_number": "fit at vertex 3",
+        "watch_failed": "ValueError: broken",
+        "failed": "it is not stationary",
+    }
+    assert details[0] == first.get(word, "it is the best of the steps that had ended")
+    assert details[-1] == ("fit at vertex 3" if word == "not_a_number" else "it is not stationary")
+    if word in ("interrupted", "time_limit"):
+        assert endings.ending_of(one, replace(STALLED, kept="it is the seed"))[1][0] == "it is the seed"
     assert endings.ending_of(one, SOLVED) == ("solved", [])
 
 

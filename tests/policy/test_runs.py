@@ -246,55 +246,11 @@ def test_a_start_that_is_the_answer_stays(
     if settled:
         assert found[0].ending is Ending.SOLVED
         assert found[0].end.multipliers is None
-        assert runs.best is start.variables
-
-
-# ---- what is kept
+        assert runs.best.feasible is start.variables
 
 
 def iterate(violation: float, objective: float, k: float) -> Progress:
     return Progress(0, objective, violation, np.full(2, k))
-
-
-def test_the_best_iterate_is_the_nearest_of_those_within_bounds() -> None:
-    runs = made()
-    assert runs.best is None
-    for k, (violation, objective) in enumerate([(1.0, 0.0), (1e-3, 9.0), (0.9e-7, 5.0), (0.0, 6.0), (1e-6, 1.0)]):
-        assert runs._report(iterate(violation, objective, k))
-    assert runs.best is not None
-    assert runs.best[0] == 2  # 9e-8 is as good as 0, and nearer; 1e-6 is not
-    assert runs._near[2][0] == 4  # of those that a polish may bring within
-
-
-def test_a_start_is_the_best_until_something_is_better() -> None:
-    runs = made()
-    runs.begin(np.full(2, 7.0), 3.0)
-    runs._report(iterate(0.0, 3.5, 1))
-    runs._report(iterate(1e-3, 1.0, 2))
-    assert runs.best is not None
-    assert runs.best[0] == 7
-
-
-@pytest.mark.parametrize(("violation", "kept"), [(verdict.BOUND, 4.0), (1.01 * verdict.BOUND, 2.0)])
-def test_a_polished_iterate_is_kept_if_it_is_feasible(
-    violation: float, kept: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    runs = made()
-    runs._report(iterate(0.0, 5.0, 2))
-    runs._report(iterate(1e-3, 1.0, 4))
-    monkeypatch.setattr(module, "polish", lambda at: replace(at, violation=violation))
-    end: Any = At()
-    assert runs.kept(end).variables[0] == kept
-
-
-def test_states_that_are_packed_move_with_a_polished_iterate(monkeypatch: pytest.MonkeyPatch) -> None:
-    runs = made()
-    runs._report(iterate(0.0, 5.0, 2))
-    goal: Any = runs.goal
-    goal.packed, goal.start = ("a state",), lambda points: points + 1
-    monkeypatch.setattr(module, "polish", lambda at: replace(at, violation=0.0))
-    end: Any = At()
-    assert runs.kept(end).variables[0] == 3
 
 
 # ---- runs without idle bounds
@@ -321,7 +277,8 @@ def test_a_run_without_idle_bounds_is_given_up_where_it_leaves_them(
 ) -> None:
     report, runs = reporter(monkeypatch, violation, convex=convex)
     assert report(iterate(0.0, 1.0, 1)) is goes_on
-    assert runs._near[0] == (max(violation, NEAR) if convex else math.inf)  # of all bounds
+    told = runs.best._nearest
+    assert (None if told is None else told.violation) == (violation if convex else None)  # of all bounds
 
 
 def test_a_stop_ends_a_run_without_idle_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
