@@ -109,11 +109,9 @@ class BestSoFar:
         lower, upper = np.where(free, -np.inf, problem.lower), np.where(free, np.inf, problem.upper)
         found = self._within(replace(point, problem=problem.bounded(lower, upper), multipliers=None), end)
         if found is None:
-            name = beginning.name
-            return Kept(
-                point.moved(beginning.variables), f"it is {name}, for no iteration came to one that folds and is better"
-            )
-        return Kept(point.moved(found.point.variables), f"{found.words}, but for those that the seed does not meet")
+            return Kept(point.moved(beginning.variables), _still(beginning))
+        more = "" if found.words == _still(beginning) else ", but for those that the seed does not meet"
+        return Kept(point.moved(found.point.variables), found.words + more)
 
     def _within(self, point: Point, end: float) -> Kept | None:
         """The best design within the constraints of a point's problem, found before a time, or None."""
@@ -144,7 +142,7 @@ class BestSoFar:
         if not moved.violation <= verdict.BOUND or not self._is_mesh(moved):
             return None
         if iterate.name in (SEED, START):
-            return Kept(moved, f"it is still {iterate.name}, for no iteration had come to one that is better")
+            return Kept(moved, _still(iterate))
         if is_within:
             return Kept(moved, f"it is {iterate.name}, which met all constraints")
         far = self._distance(moved, point)
@@ -203,3 +201,7 @@ class BestSoFar:
             best = self._levels[k]
             if iterate.violation <= level and (best is None or iterate.objective < best.objective):
                 self._levels[k] = iterate
+
+
+def _still(beginning: Iterate) -> str:
+    return f"it is still {beginning.name}, for no iteration had come to one that is better"

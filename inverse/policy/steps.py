@@ -271,7 +271,13 @@ class Policy:
         return goal.start(coarse.spread(own.seed, points, goal.model.seed))
 
     def _fail(self, step: str, error: Exception) -> None:
-        """End the solve with what a step raised."""
+        """End the solve with what a step raised.
+
+        Raises:
+            KeyboardInterrupt: that is what it was before it met CasADi.
+        """
+        if self.control.ended.is_set():
+            raise KeyboardInterrupt from error
         self.failure, self.error = (step, f"{type(error).__name__}: {error}"), error
         told = tuple(traceback.format_exception(error))
         self.attempts.append(Attempt(step, step, self.failure[1], traceback=told))

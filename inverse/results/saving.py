@@ -111,18 +111,20 @@ def write(result: Result | Repair, results: Results, *, pictures: bool = True) -
         return Written([])
     try:
         with interrupts.raised():
-            return Written(_add_pictures(result, results, report))
+            # Who ended the solve is waiting for the end: 3D pictures take many seconds.
+            hurried = isinstance(result, Result) and result.ending == "interrupted"
+            return Written(_add_pictures(result, results, report, hurried=hurried))
     except KeyboardInterrupt:
         return interrupted
 
 
-def _add_pictures(result: Result | Repair, results: Results, report: dict[str, Any]) -> list[str]:
+def _add_pictures(result: Result | Repair, results: Results, report: dict[str, Any], *, hurried: bool) -> list[str]:
     """Draw, and tell in the report how that went; what is there already does not depend on it."""
     began = time.perf_counter()
     try:
         new = results.filling()
         target, context = (result.target, result.context) if isinstance(result, Result) else (None, None)
-        notes = _draw(result.design, target, context, new)
+        notes = _draw(result.design, target, context, new, hurried=hurried)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
         _write_json(new / "report.json", report | {"notes": notes, "seconds": seconds})
         results.add()
@@ -131,10 +133,12 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
     return notes
 
 
-def _draw(design: Design, target: Surface | None, context: Surface | None, folder: Path) -> list[str]:
+def _draw(design: Design, target: Surface | None, context: Surface | None, folder: Path, *, hurried: bool) -> list[str]:
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
     if (design.pattern.edges_type == CFL).any():  # else the developed state has a single layer
         pictures.layers_picture(design, folder / "layers.svg")
+    if hurried:
+        return ["Interrupted: the results have no 3D pictures."]
     missing = pictures.can_render()
     if missing is not None:
         return [missing]
