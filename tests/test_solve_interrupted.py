@@ -359,13 +359,7 @@ def test_without_objectives_the_seed_is_a_solution() -> None:
     assert result.status == "certified and converged"
 
 
-def test_one_facet() -> None:
-    result = inverse.solve(task(pattern={"size": [1, 1]}))
-    assert result.report["size"]["facets"] == 1
-
-
-@pytest.mark.parametrize("size", [[1, 4], [4, 1]])
-def test_one_strip_moves_in_more_than_one_way(size: list[int]) -> None:
+@pytest.mark.parametrize("size", [[1, 2], [2, 1]])
+def test_a_single_fold(size: list[int]) -> None:
     result = inverse.solve(task(pattern={"size": size}))
-    assert not result.certified
-    assert "3 independent motions" in result.status
+    assert result.status == "certified and converged"

@@ -10,10 +10,10 @@ import numpy as np
 
 from inverse import constraints as hard
 from inverse import cylinder_loop
-from inverse._types import FloatArray
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.files import fold_file
-from inverse.formulation import anchors, own_terms, placement
+from inverse.formulation import anchors, contradictions, own_terms, placement
 from inverse.formulation.anchors import PolylineAnchor
 from inverse.formulation.calls import called
 from inverse.formulation.given import NOTHING, Given
@@ -113,12 +113,24 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
     }
     fixed = hard.hard_constraints(model, bounds)
     anchored, sliding = anchors.build(loaded, model, origin)
+    if share == 1:
+        held = {**_held(anchored), **{_number(anchor.name): anchor.vertices for anchor in sliding}}
+        contradictions.check(loaded, model, held, origin)
     packed = [constraint for state in goal.packed for constraint in state.constraints()]
     loops = _loops(loaded, model)
     free_range = None if limits.free_range is None else _radians(limits.free_range)
     own = own_terms.constrained(loaded, goal, given)
     fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model, origin), *packed, *own]
     return Formulation(goal, terms, fixed, sliding, free_range, given)
+
+
+def _held(anchored: list[Constraint]) -> dict[int, IntArray]:
+    """Vertices of every anchor, by its number in the specification."""
+    return {_number(one.name): one.elements.variables[:, 0] // 3 for one in anchored}
+
+
+def _number(name: str) -> int:
+    return int(name.removeprefix("anchor_"))
 
 
 def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
