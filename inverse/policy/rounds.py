@@ -167,6 +167,7 @@ class Rounds:
     def _one_round(self, solver: Ipopt | Slsqp, at: Point, *, is_seed: bool) -> tuple[Run, float]:
         """The last run of a round and the fit it came to; all runs are told."""
         self.runs.round += 1
+        self.runs.may_contradict = all(len(anchor.polyline) == 2 for anchor in self.formulation.sliding)
         runs = self.runs.one_round(solver, at, is_seed=is_seed)
         facets = len(self.formulation.goal.model.pattern.faces_vertices)
         told = [attempt_of(run, self.step, self.method, facets, self.runs.round) for run in runs]

@@ -100,6 +100,7 @@ class Policy:
         seconds: spent on parts of the work.
         not_a_number: name and element of a term that has no value, where that ended the solve.
         reached: share of the target's heights that a path from the seed reached, where one was needed.
+        least: the design with the least violation of all constraints, where these contradict each other.
         failure: name of the step that raised what no step should, and what that was, where it ended the solve.
         error: the same as an exception.
     """
@@ -113,6 +114,7 @@ class Policy:
     )
     not_a_number: tuple[str, str] | None = None
     reached: float | None = None
+    least: Point | None = None
     failure: tuple[str, str] | None = None
     error: Exception | None = None
 
@@ -152,7 +154,8 @@ class Policy:
     @property
     def _is_over(self) -> bool:
         """Whether no further step can help."""
-        return self.control.stopped or self.not_a_number is not None or self.failure is not None
+        faults = (self.not_a_number, self.failure, self.least)
+        return self.control.stopped or any(fault is not None for fault in faults)
 
     @property
     def _options(self) -> SolverKeys:
@@ -224,6 +227,7 @@ class Policy:
             return self._outcome(rounds.abandoned(), formulation)
         self.seconds["build"] += rounds.runs.seconds_building
         self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
+        self.least = rounds.runs.least
         attempts = rounds.attempts or [Attempt(step, step, Ending.INVALID_NUMBER)]
         if attempts[-1].ended == Ending.INVALID_NUMBER:
             self.not_a_number = point.not_a_number
@@ -244,7 +248,7 @@ class Policy:
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished
         with np.errstate(over="ignore", invalid="ignore"):  # figures that are no numbers are told as such
-            judgement = verdict.judge(point, asked.goal)
+            judgement = verdict.judge(point, asked.goal, self.loaded.specification.constraints)
         return Outcome(point, design, certificate, judgement, verdict.range_faults(asked.free_range, certificate))
 
     def _from_coarse(self, loaded: Loaded, goal: Goal) -> FloatArray | None:

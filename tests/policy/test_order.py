@@ -106,7 +106,7 @@ def test_the_best_of_all_steps_is_kept_and_handed_on(monkeypatch: pytest.MonkeyP
     assert tried.seen == [far, near, near, near]
 
 
-@pytest.mark.parametrize("end", ["stop", "not_a_number", "failure"])
+@pytest.mark.parametrize("end", ["stop", "not_a_number", "failure", "least"])
 def test_no_step_follows_where_none_can_help(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     tried = Steps(monkeypatch, start=STALLED)
     if end == "stop":
@@ -126,7 +126,7 @@ class Solved:
     attempts: tuple[Attempt, ...] = ()
     raised: Exception | None = None
     kept: str | None = None
-    runs = SimpleNamespace(seconds_building=0.0)
+    runs = SimpleNamespace(seconds_building=0.0, least=None)
 
     def __init__(self, *given: Any) -> None:
         pass
@@ -204,7 +204,7 @@ def test_what_has_a_number_is_polished_before_it_is_judged(not_a_number: Any, mo
     monkeypatch.setattr(steps.fold_file, "frame", lambda design: design)
     monkeypatch.setattr(steps, "check_frame", lambda frame: f"certificate of {frame}")
     monkeypatch.setattr(verdict, "range_faults", lambda *_: ())
-    monkeypatch.setattr(verdict, "judge", lambda at, _: f"judgement on {at.variables}")
+    monkeypatch.setattr(verdict, "judge", lambda at, *_: f"judgement on {at.variables}")
     point: Any = SimpleNamespace(variables="x")
     found = one._outcome(point)
     expected = "x, polish, balanced" if not_a_number is None else "x"

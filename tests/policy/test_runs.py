@@ -15,6 +15,7 @@ from inverse.policy import runs as module
 from inverse.policy import verdict
 from inverse.policy.control import Control
 from inverse.policy.runs import TOO_FAR, Runs
+from inverse.solvers.feasibility import Least
 from inverse.solvers.ipopt import APPROACHING, NEAR, STATIC
 from inverse.solvers.run import Ending, Progress, Run
 from inverse.solvers.slsqp import Slsqp
@@ -217,6 +218,55 @@ def test_the_other_solver_takes_all_iterations_at_once(one: Round) -> None:
     solver.run = lambda at, limit: (at.name, limit)
     given: Any = At()
     assert one.runs.one_round(solver, given, is_seed=True) == [("the start", 100)]
+
+
+# ---- constraints that contradict each other
+
+
+def contradictory(one: Round, monkeypatch: pytest.MonkeyPatch, *ends: tuple[float, bool], violation: float = 1.0) -> Any:
+    """A round that does not come near, where the least violation is found in ``ends``: squared, and settled."""
+    one.whole.ends = one.light.ends = {APPROACHING: (Ending.LIMIT, 1.01 * NEAR, 30)}
+    left, starts = iter(ends), []
+
+    def least(at: At, _: Any) -> Least:
+        squared, settled = next(left)
+        starts.append(float(at.variables[0]))
+        point: Any = At(f"least of {squared}")
+        return Least(point, squared, settled)
+
+    monkeypatch.setattr(module, "least_violation", least)
+    goal: Any = one.runs.goal
+    goal.seed_variables = np.ones(2)
+    one.runs.may_contradict = True
+    return one.go(At(violation=violation)), starts
+
+
+def test_what_is_clearly_violated_wherever_it_is_looked_for_ends_the_round(
+    one: Round, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, starts = contradictory(one, monkeypatch, (0.9, True), (0.5, True), (0.7, True))
+    assert found[-1].ending is Ending.INFEASIBLE
+    assert found[-1].end.name == "the start"
+    assert len(one.calls) == 2  # neither of them came near
+    assert starts == [1.0, 0.7, 1.2]
+    least: Any = one.runs.least
+    assert least.name == "least of 0.5"
+    assert one.runs.ends(found[-1])
+
+
+@pytest.mark.parametrize("end", [(0.99 * module.CLEAR, True), (1.0, False)])
+def test_what_may_be_met_is_tried_on(end: tuple[float, bool], one: Round, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, starts = contradictory(one, monkeypatch, (0.9, True), end)
+    assert starts == [1.0, 0.7]
+    assert found[-1].ending is Ending.SOLVED
+    assert one.runs.least is None
+
+
+def test_a_start_that_meets_all_constraints_shows_that_it_can_be_done(
+    one: Round, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, starts = contradictory(one, monkeypatch, violation=verdict.BOUND)
+    assert starts == []
 
 
 # ---- starts that are the answer
