@@ -7,6 +7,8 @@ while such work goes on, and the flag is asked at places in between.
 
 from __future__ import annotations
 
+import contextlib
+import os
 import signal
 import sys
 import threading
@@ -16,13 +18,16 @@ from contextlib import contextmanager
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 EXIT_CODE = 3
 
+_announcements: list[str] = []  # what is said at the first signal, innermost last
+
 
 @contextmanager
-def held(stop: threading.Event) -> Iterator[None]:
+def held(stop: threading.Event, ended: threading.Event | None = None) -> Iterator[None]:
     """Let the first signal set ``stop`` and do nothing else; a second one raises KeyboardInterrupt.
 
     Args:
         stop: to be asked where the work can end.
+        ended: set at the second signal, for whoever catches what was made of it.
 
     Raises:
         KeyboardInterrupt: at the second signal, whatever was made of it on its way out.
@@ -31,10 +36,31 @@ def held(stop: threading.Event) -> Iterator[None]:
     def hear() -> bool:
         first = not stop.is_set()
         stop.set()
+        if first and _announcements:
+            # Not print: the handler may have come amid one.
+            start = "\r\033[K" if os.isatty(2) else ""
+            with contextlib.suppress(OSError):
+                os.write(2, f"{start}{_announcements[-1]}\n".encode())
+        elif not first and ended is not None:
+            ended.set()
         return not first
 
     with _heard(hear):
         yield
+
+
+@contextmanager
+def announced(words: str) -> Iterator[None]:
+    """Say something on stderr at once when a first signal comes that is held.
+
+    Args:
+        words: what is done now, as the work may go on for some seconds.
+    """
+    _announcements.append(words)
+    try:
+        yield
+    finally:
+        _announcements.pop()
 
 
 @contextmanager

@@ -31,7 +31,7 @@ SOLVED, STALLED = outcome(), outcome(failed=("it is not stationary",))
 
 def policy(method: str = "ipopt") -> Policy:
     solver = SimpleNamespace(method=method)
-    loaded: Any = SimpleNamespace(specification=SimpleNamespace(solver=solver))
+    loaded: Any = SimpleNamespace(specification=SimpleNamespace(solver=solver, constraints=None))
     goal = SimpleNamespace(model=SimpleNamespace(seed=None), start=lambda points: points)
     formulation: Any = SimpleNamespace(given=SimpleNamespace(design=None), goal=goal)
     return Policy(loaded, formulation, Control(math.inf))

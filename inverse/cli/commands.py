@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from inverse.spec import Loaded
 
 DONE, NOT_DONE, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
+KEEPING = (
+    "interrupted: the best design so far is brought within the constraints and written; "
+    "interrupt once more to end without it"
+)
 
 app = App(
     name="inverse",
@@ -79,13 +83,14 @@ def solve(
         return _show(loaded, folder, as_json=as_json)
     with ExitStack() as folders:
         results = folders.enter_context(Results(folder))
-        with _Watch() as watch:
+        with interrupts.announced(KEEPING), _Watch() as watch:
             result = run(loaded, start=start, watch=watch)
         if saving.keeps_earlier(result, folder):
             earlier, folder = folder, folder.absolute().with_name(f"{folder.absolute().name}.interrupted")
             print(f"{earlier} keeps its certified design; that of this run goes to {folder}", file=sys.stderr)
             results = folders.enter_context(Results(folder))
-        written = saving.write(result, results)
+        with interrupts.announced("interrupted: the results are written without pictures"):
+            written = saving.write(result, results)
     for note in written.notes:
         print(note, file=sys.stderr)
     if as_json:

@@ -13,7 +13,7 @@ from inverse import cylinder_loop
 from inverse._types import FloatArray
 from inverse.errors import InputError
 from inverse.files import fold_file
-from inverse.formulation import anchors, own_terms, placement
+from inverse.formulation import anchors, contradictions, own_terms, placement
 from inverse.formulation.anchors import Anchored, PolylineAnchor
 from inverse.formulation.calls import called
 from inverse.formulation.given import NOTHING, Given
@@ -117,6 +117,9 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
     }
     fixed = hard.hard_constraints(model, bounds)
     anchored = anchors.build(loaded, model, origin)
+    if share == 1:
+        held = {k: vertices for k, vertices in enumerate(anchored.held) if len(vertices)}
+        contradictions.check(loaded, model, held, origin)
     packed = [constraint for state in goal.packed for constraint in state.constraints()]
     loops = _loops(loaded, model)
     free_range = None if limits.free_range is None else _radians(limits.free_range)

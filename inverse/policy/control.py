@@ -22,12 +22,14 @@ class Control:
         deadline: on the monotonic clock, in seconds.
         watch: told every iteration, or None.
         stop: set to end at the next iteration.
+        ended: set where the user would not even wait for the best design.
         failure: what the watch raised, if it did.
     """
 
     deadline: float
     watch: Watch | None = None
     stop: threading.Event = field(default_factory=threading.Event)
+    ended: threading.Event = field(default_factory=threading.Event)
     failure: Exception | None = None
 
     @property
@@ -57,7 +59,7 @@ class Control:
 
     def interruptible(self) -> AbstractContextManager[None]:
         """Let Ctrl-C and SIGTERM end the run at its next iteration instead of in the middle of one."""
-        return interrupts.held(self.stop)
+        return interrupts.held(self.stop, self.ended)
 
     def check(self) -> None:
         """End here if asked to, where nothing has been found yet.

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from inverse.policy.steps import SHORTEST_SHARE, Outcome, Policy, reasons
+from inverse.policy.verdict import violated
 from inverse.solvers.run import Ending
 
 SOLVED = "solved"
+MENTIONED = 4  # of the constraints that contradict each other; all others follow from the compromise
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,10 @@ ENDINGS: dict[str, Words] = {
     ),
     "infeasible": Words(
         "no attempt met all constraints: {details}",
+        "Loosen the anchors, keep-outs or bounds that are named, or anchor fewer vertices.",
+    ),
+    "contradictory": Words(
+        "the constraints contradict each other near every start that was tried, whatever the target; at best {details}",
         "Loosen the anchors, keep-outs or bounds that are named, or anchor fewer vertices.",
     ),
     "not_certified": Words(
@@ -100,12 +106,18 @@ def ending_of(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:
         return "not_a_number", [f"{name} at {element}"]
     if policy.failure is not None:
         return "failed", details
+    if control.stopped:
+        details = [outcome.kept or "it is the best of the steps that had ended", *details]
     if control.failure is not None:
         return "watch_failed", [f"{type(control.failure).__name__}: {control.failure}", *details]
     if control.stop.is_set():
         return "interrupted", details
     if control.timed_out:
         return "time_limit", details
+    if policy.least is not None and not outcome.is_feasible:
+        found = violated(policy.least, policy.formulation.goal, policy.loaded.specification.constraints)
+        found.sort(key=lambda one: ("constraints.anchors" not in one, "constraints.keep_out" not in one))
+        return "contradictory", found[:MENTIONED]
     if policy.reached is not None and policy.reached < 1 and not outcome.converged:
         came = f"came to {policy.reached:.3g}" if policy.reached > 0 else f"did not even come to {SHORTEST_SHARE:.3g}"
         details = [*details, f"a path from the seed {came} of the target's height"]

@@ -17,11 +17,12 @@ from inverse.nlp.term import Constraint
 from inverse.origami import folding
 from inverse.policy import verdict
 from inverse.policy.attempts import Attempt, attempt_of
+from inverse.policy.best import SEED, START
 from inverse.policy.control import Control
 from inverse.policy.runs import Runs
 from inverse.policy.strips import alike
 from inverse.solvers.ipopt import Ipopt
-from inverse.solvers.run import Run
+from inverse.solvers.run import Ending, Run
 from inverse.solvers.slsqp import Slsqp
 from inverse.spec import SolverKeys
 from inverse.terms import separation
@@ -47,7 +48,9 @@ class Rounds:
         start: (n,) variables to start from instead of the seed, or None.
         multipliers: (R,) that belong to the start, where a solution is the start, or None.
         step: of the policy, for the report.
+        start_name: what the start is, for messages.
         attempts: what was tried so far.
+        kept: where the design comes from that is kept of rounds which were ended early, a sentence; else None.
     """
 
     formulation: Formulation
@@ -57,7 +60,9 @@ class Rounds:
     start: FloatArray | None = None
     multipliers: FloatArray | None = None
     step: str = "start"
+    start_name: str = START
     attempts: list[Attempt] = field(default_factory=list)
+    kept: str | None = None
 
     @cached_property
     def runs(self) -> Runs:
@@ -95,7 +100,7 @@ class Rounds:
 
     def abandoned(self) -> Point:
         """The best iterate as a point, where the rounds broke off in the middle; the start if there is none."""
-        best = self.runs.best
+        best = self.runs.best.feasible
         return self.unsolved() if best is None else self._untouched(best)
 
     def _untouched(self, x: FloatArray) -> Point:
@@ -111,6 +116,9 @@ class Rounds:
         at = self._beginning(problem, start)
         if at.not_a_number is not None:
             return at
+        if self.control.stopped:  # before there was anything to do
+            self.attempts.append(Attempt(self.step, self.method, Ending.GIVEN_UP))
+            return self._best(at)
         is_seed, following = start is None, _Following(goal, goal.model.points(at.variables))
         while True:
             seen.add(_segments(sliding))
@@ -142,28 +150,39 @@ class Rounds:
     def _beginning(self, problem: Problem, start: FloatArray | None) -> Point:
         """Where the rounds begin; who stops early gets the better of a start and the seed."""
         seed = Point(problem, self.formulation.goal.seed_variables, problem.parameters())
+        best = self.runs.best
         if start is None:
+            if seed.not_a_number is None:
+                best.begin(seed.variables, seed.objective, seed.violation, SEED)
             return seed
         multipliers = self.multipliers
         if multipliers is not None and multipliers.size != problem.n_rows:
             multipliers = None  # of a task with other constraints
         at = seed.moved(start).pushed(multipliers)
         if at.not_a_number is None:
-            self.runs.begin(seed.variables, seed.objective)
+            best.begin(seed.variables, seed.objective, seed.violation, SEED)
+            best.begin(at.variables, at.objective, at.violation, self.start_name)
         return at
 
     def _one_round(self, solver: Ipopt | Slsqp, at: Point, *, is_seed: bool) -> tuple[Run, float]:
         """The last run of a round and the fit it came to; all runs are told."""
         self.runs.round += 1
+        self.runs.may_contradict = all(len(anchor.polyline) == 2 for anchor in self.formulation.sliding)
         runs = self.runs.one_round(solver, at, is_seed=is_seed)
         facets = len(self.formulation.goal.model.pattern.faces_vertices)
         told = [attempt_of(run, self.step, self.method, facets, self.runs.round) for run in runs]
-        end = self.runs.kept(runs[-1].end) if self.control.stopped else runs[-1].end
+        end = self._best(runs[-1].end) if self.control.stopped else runs[-1].end
         goal = self.formulation.goal
         distances = goal.fitting.distances(goal.model.points(end.variables))
         rms = float(np.sqrt(np.mean(distances**2)))
         self.attempts += [*told[:-1], replace(told[-1], fit_rms=rms)]
         return replace(runs[-1], end=end), rms
+
+    def _best(self, point: Point) -> Point:
+        """The best design so far, for rounds that are ended early."""
+        kept = self.runs.best.kept(point)
+        self.kept = kept.words
+        return kept.point
 
     def _crossing(self, x: FloatArray) -> dict[float, set[tuple[int, int]]]:
         """Pairs of facets that cross in the design state, and those like them; then those in demanded states.

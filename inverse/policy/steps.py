@@ -17,6 +17,7 @@ from inverse.nlp.point import Point
 from inverse.origami.pattern import Design
 from inverse.policy import coarse, verdict
 from inverse.policy.attempts import Attempt
+from inverse.policy.best import COARSE, START
 from inverse.policy.control import Control
 from inverse.policy.rounds import Rounds
 from inverse.policy.verdict import Judgement
@@ -42,6 +43,7 @@ class Outcome:
         judgement: our own verdict.
         range_faults: what of an asked range of motion is not free, as sentences.
         raised: what a step raised that should not, as sentences.
+        kept: where the design comes from, a sentence, if the step was ended early.
     """
 
     point: Point
@@ -50,6 +52,7 @@ class Outcome:
     judgement: Judgement
     range_faults: tuple[str, ...]
     raised: tuple[str, ...] = ()
+    kept: str | None = None
 
     @property
     def failed(self) -> tuple[str, ...]:
@@ -97,6 +100,7 @@ class Policy:
         seconds: spent on parts of the work.
         not_a_number: name and element of a term that has no value, where that ended the solve.
         reached: share of the target's heights that a path from the seed reached, where one was needed.
+        least: the design with the least violation of all constraints, where these contradict each other.
         failure: name of the step that raised what no step should, and what that was, where it ended the solve.
         error: the same as an exception.
     """
@@ -110,6 +114,7 @@ class Policy:
     )
     not_a_number: tuple[str, str] | None = None
     reached: float | None = None
+    least: Point | None = None
     failure: tuple[str, str] | None = None
     error: Exception | None = None
 
@@ -127,11 +132,12 @@ class Policy:
         Returns:
             The best outcome of all steps.
         """
+        start_name = START
         if variables is None:
             began = time.perf_counter()
-            variables = self._from_coarse(self.loaded, self.formulation.goal)
+            variables, start_name = self._from_coarse(self.loaded, self.formulation.goal), COARSE
             self.seconds["start"] += time.perf_counter() - began
-        best = self._solved("start", self.formulation, variables, multipliers)
+        best = self._solved("start", self.formulation, variables, multipliers, start_name=start_name)
         for step in (self._again, self._along_a_path, self._by_nlopt, self._restored):
             if best.is_solved or self._is_over:
                 break
@@ -148,7 +154,8 @@ class Policy:
     @property
     def _is_over(self) -> bool:
         """Whether no further step can help."""
-        return self.control.stopped or self.not_a_number is not None or self.failure is not None
+        faults = (self.not_a_number, self.failure, self.least)
+        return self.control.stopped or any(fault is not None for fault in faults)
 
     @property
     def _options(self) -> SolverKeys:
@@ -205,9 +212,12 @@ class Policy:
         variables: FloatArray | None,
         multipliers: FloatArray | None = None,
         method: str | None = None,
+        start_name: str = START,
     ) -> Outcome:
         """One solve from a start, or the seed."""
-        rounds = Rounds(formulation, self._options, self.control, method or self._method, variables, multipliers, step)
+        rounds = Rounds(
+            formulation, self._options, self.control, method or self._method, variables, multipliers, step, start_name
+        )
         began = time.perf_counter()
         try:
             point = rounds.run()
@@ -217,27 +227,28 @@ class Policy:
             return self._outcome(rounds.abandoned(), formulation)
         self.seconds["build"] += rounds.runs.seconds_building
         self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
+        self.least = rounds.runs.least
         attempts = rounds.attempts or [Attempt(step, step, Ending.INVALID_NUMBER)]
         if attempts[-1].ended == Ending.INVALID_NUMBER:
             self.not_a_number = point.not_a_number
-        outcome = self._outcome(point, formulation)
+        outcome = replace(self._outcome(point, formulation, is_polished=rounds.kept is not None), kept=rounds.kept)
         said = "; ".join(reasons(outcome)) or "certified and converged"
         self.attempts += [*attempts[:-1], replace(attempts[-1], outcome=said)]
         return outcome
 
-    def _outcome(self, point: Point, formulation: Formulation | None = None) -> Outcome:
+    def _outcome(self, point: Point, formulation: Formulation | None = None, *, is_polished: bool = False) -> Outcome:
         """Polish, certify and judge."""
         asked = formulation or self.formulation
         began = time.perf_counter()
         if self.not_a_number is None:
-            point = balanced(polish(point))
+            point = balanced(point if is_polished else polish(point))
         design = asked.goal.model.design(point.variables)
         polished = time.perf_counter()
         certificate = check_frame(fold_file.frame(design))
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished
         with np.errstate(over="ignore", invalid="ignore"):  # figures that are no numbers are told as such
-            judgement = verdict.judge(point, asked.goal)
+            judgement = verdict.judge(point, asked.goal, self.loaded.specification.constraints)
         return Outcome(point, design, certificate, judgement, verdict.range_faults(asked.free_range, certificate))
 
     def _from_coarse(self, loaded: Loaded, goal: Goal) -> FloatArray | None:
@@ -249,18 +260,28 @@ class Policy:
             formulation = formulate(task, given=self.formulation.given)
         except InputError:
             return None  # terms of one's own, or a pattern family, that know only the fine grid
+        if self.control.stopped:
+            return None  # there is nothing better than the seed yet
         own = formulation.goal.model
         start = self._from_coarse(task, formulation.goal)
-        rounds = Rounds(formulation, self._options, self.control, self._method, start, step="coarser grid")
+        rounds = Rounds(
+            formulation, self._options, self.control, self._method, start, step="coarser grid", start_name=COARSE
+        )
         point = rounds.run()
         self.attempts += rounds.attempts
-        if self.control.stopped or point.violation > NEAR:
+        if point.violation > NEAR:
             return None  # the seed is better than what failed already
         points = own.points(point.variables)
         return goal.start(coarse.spread(own.seed, points, goal.model.seed))
 
     def _fail(self, step: str, error: Exception) -> None:
-        """End the solve with what a step raised."""
+        """End the solve with what a step raised.
+
+        Raises:
+            KeyboardInterrupt: that is what it was before it met CasADi.
+        """
+        if self.control.ended.is_set():
+            raise KeyboardInterrupt from error
         self.failure, self.error = (step, f"{type(error).__name__}: {error}"), error
         told = tuple(traceback.format_exception(error))
         self.attempts.append(Attempt(step, step, self.failure[1], traceback=told))

@@ -13,7 +13,9 @@ from inverse.certify import Certificate
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
+from inverse.policy import violations
 from inverse.policy.measures import limits
+from inverse.spec import Constraints
 from inverse.terms.goal import Goal
 
 # All relative. Gradients: to :func:`gradient_scale`. Multipliers times slacks: to the objective.
@@ -82,29 +84,48 @@ def stationarity(point: Point, goal: Goal) -> float:
     return float(np.abs(point.lagrangian_gradient).max() / gradient_scale(point.problem, goal))
 
 
-def judge(point: Point, goal: Goal) -> Judgement:
-    """Stationarity, complementarity and violations of every constraint, and what of them fails."""
+def judge(point: Point, goal: Goal, asked: Constraints | None = None) -> Judgement:
+    """Stationarity, complementarity and violations of every constraint, and what of them fails.
+
+    Args:
+        point: the design.
+        goal: what is fitted.
+        asked: the specification's constraints, in whose terms violations are told; without, they have no unit.
+    """
     problem, rows, multipliers = point.problem, point.rows, point.balance
     steepness = stationarity(point, goal)
     # A multiplier pushes inward from the bound that its sign belongs to; at a bound that is not there it is a
     # fault of its own size.
     slack = np.maximum(np.where(multipliers > 0, problem.upper - rows, rows - problem.lower), 0.0)
     gap = float(np.abs(multipliers) @ np.where(np.isfinite(slack), slack, 1.0))
-    violations = point.violations
-    equations = {c.name for c in problem.constraints if c.is_equation}
     failed = []
     if not steepness <= STATIONARITY:
         failed.append(f"the design is not stationary: relative gradient {steepness:.2g}, {STATIONARITY:g} allowed")
     if not gap <= COMPLEMENTARITY * point.objective + SETTLED_GAP:
         failed.append(f"bounds are not settled: multipliers times slacks {gap:.2g}, objective {point.objective:.2g}")
-    for name, (size, where) in violations.items():
-        allowed = EQUATION if name in equations else BOUND
-        if not size <= allowed:
-            failed.append(f"constraint {name} is violated by {size:.2g} at {where}, {allowed:g} allowed")
+    failed += violated(point, goal, asked)
     for bound in limits(goal, point.variables):
         if not bound["value"] <= bound["limit"] * (1 + LIMIT):
             failed.append("the {state} {measure} is {value:.6g}, {limit:g} allowed".format(**bound))
-    return Judgement(steepness, gap, violations, tuple(failed))
+    return Judgement(steepness, gap, point.violations, tuple(failed))
+
+
+def violated(point: Point, goal: Goal, asked: Constraints | None = None) -> list[str]:
+    """Sentences on the constraints that do not hold, each with the worst place."""
+    found = []
+    for violation in violations.worst(point):
+        allowed = EQUATION if violation.constraint.is_equation else BOUND
+        if violation.size <= allowed:
+            continue
+        sentence = None
+        if asked is not None and np.isfinite(violation.size):
+            sentence = violations.Sentences(goal, point.variables, asked).of(violation)
+        found.append(
+            sentence
+            or f"constraint {violation.constraint.name} is violated by {violation.size:.2g} at {violation.label}, "
+            f"{allowed:g} allowed"
+        )
+    return found
 
 
 def range_faults(asked: tuple[float, float] | None, certificate: Certificate) -> tuple[str, ...]:

@@ -112,12 +112,14 @@ def write(result: Result | Repair, results: Results, *, pictures: bool = True) -
         return Written(asked)
     try:
         with interrupts.raised():
-            return Written([*asked, *_add_pictures(result, results, report)])
+            # Who ended the solve is waiting for the end: 3D pictures take many seconds.
+            hurried = isinstance(result, Result) and result.ending == "interrupted"
+            return Written([*asked, *_add_pictures(result, results, report, hurried=hurried)])
     except KeyboardInterrupt:
         return interrupted
 
 
-def _add_pictures(result: Result | Repair, results: Results, report: dict[str, Any]) -> list[str]:
+def _add_pictures(result: Result | Repair, results: Results, report: dict[str, Any], *, hurried: bool) -> list[str]:
     """Draw, and tell in the report how that went; what is there already does not depend on it."""
     began = time.perf_counter()
     try:
@@ -125,7 +127,7 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
         shown: dict[str, Any] = {}
         if isinstance(result, Result):
             shown = {"target": result.target, "context": result.context, "caption": result.caption}
-        notes = _draw(result.design, shown, new)
+        notes = _draw(result.design, shown, new, hurried=hurried)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
         _write_json(new / "report.json", report | {"notes": [*report["notes"], *notes], "seconds": seconds})
         results.add()
@@ -134,11 +136,13 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
     return notes
 
 
-def _draw(design: Design, shown: dict[str, Any], folder: Path) -> list[str]:
+def _draw(design: Design, shown: dict[str, Any], folder: Path, *, hurried: bool) -> list[str]:
     """Draw a design, with what of its surroundings and verdicts is to be shown."""
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
     if (design.pattern.edges_type == CFL).any():  # else the developed state has a single layer
         pictures.layers_picture(design, folder / "layers.svg")
+    if hurried:
+        return ["Interrupted: the results have no 3D pictures."]
     missing = pictures.can_render()
     if missing is not None:
         return [missing]

@@ -47,6 +47,14 @@ class Source:
             return InputError(message, where=f"{self.name}:{dotted(path)}" if path else self.name, hint=hint)
         return self._error_at(position, message, hint)
 
+    def place(self, path: KeyPath) -> str:
+        """A value by its key and, where it has one, its line, to be named in a refusal of another."""
+        place = self._places[self._known(path)]
+        name = dotted(path)
+        if place.override is not None:
+            return f"{name} (--set {place.override})"
+        return name if place.value is None else f"{name} (line {place.value[0] + 1})"
+
     def rank(self, path: KeyPath) -> int:
         """A number that grows with the place of a value in the file; overrides come last."""
         return self._ranks[self._known(path)]

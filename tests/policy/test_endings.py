@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from inverse.policy.control import Control
 from inverse.policy.steps import Policy
 from inverse.solvers.run import Ending, Progress
 
+POINT: Any = "the least violation"
 PROGRESS = Progress(0, 1.0, 0.0, np.zeros(1))
 
 
@@ -59,8 +62,15 @@ def test_the_first_cause_is_told_whatever_followed_from_it(word: str) -> None:
     CAUSES[word](one)
     ending, details = endings.ending_of(one, STALLED)
     assert ending == word
-    first = {"not_a_number": "fit at vertex 3", "watch_failed": "ValueError: broken"}
-    assert details[0] == first.get(word, "it is not stationary")
+    first = {
+        "not_a_number": "fit at vertex 3",
+        "watch_failed": "ValueError: broken",
+        "failed": "it is not stationary",
+    }
+    assert details[0] == first.get(word, "it is the best of the steps that had ended")
+    assert details[-1] == ("fit at vertex 3" if word == "not_a_number" else "it is not stationary")
+    if word in ("interrupted", "time_limit"):
+        assert endings.ending_of(one, replace(STALLED, kept="it is the seed"))[1][0] == "it is the seed"
     assert endings.ending_of(one, SOLVED) == ("solved", [])
 
 
@@ -73,6 +83,20 @@ def test_without_a_cause_from_outside_it_is_the_design_that_tells() -> None:
     assert endings.ending_of(one, STALLED)[0] == "iteration_limit"
     one.attempts = attempts(Ending.INFEASIBLE)  # after a run within the step that came to its limit
     assert endings.ending_of(one, STALLED)[0] == "stalled"
+
+
+def test_constraints_that_contradict_each_other_are_told_from_the_least_violation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What can be loosened first, and no more than a few."""
+    said = [f"edge {k} is too long (constraints.edge_length)" for k in range(4)]
+    said += ["vertex 1 is too low (constraints.keep_out.0)", "vertex 2 is off (constraints.anchors.1)"]
+    monkeypatch.setattr(endings, "violated", lambda *_: list(said))
+    one = policy()
+    one.least = POINT
+    found = endings.ending_of(one, outcome(failed=("no",), violation=1e-3))
+    assert found == ("contradictory", [said[5], said[4], said[0], said[1]])
+    assert endings.ending_of(one, outcome(failed=("no",)))[0] == "stalled"  # something met them after all
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,7 @@ class Steps:
     def __init__(self, monkeypatch: pytest.MonkeyPatch, **ends: Outcome | None) -> None:
         self.policy, self.taken = policy(), []
         self.seen: list[Outcome] = []
-        monkeypatch.setattr(self.policy, "_solved", lambda step, *_: self.end(step, ends["start"]))
+        monkeypatch.setattr(self.policy, "_solved", lambda step, *_, **__: self.end(step, ends["start"]))
         for name in self.NAMES:
 
             def step(best: Outcome, name: str = name) -> Outcome | None:
@@ -106,7 +106,7 @@ def test_the_best_of_all_steps_is_kept_and_handed_on(monkeypatch: pytest.MonkeyP
     assert tried.seen == [far, near, near, near]
 
 
-@pytest.mark.parametrize("end", ["stop", "not_a_number", "failure"])
+@pytest.mark.parametrize("end", ["stop", "not_a_number", "failure", "least"])
 def test_no_step_follows_where_none_can_help(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     tried = Steps(monkeypatch, start=STALLED)
     if end == "stop":
@@ -125,7 +125,8 @@ class Solved:
 
     attempts: tuple[Attempt, ...] = ()
     raised: Exception | None = None
-    runs = SimpleNamespace(seconds_building=0.0)
+    kept: str | None = None
+    runs = SimpleNamespace(seconds_building=0.0, least=None)
 
     def __init__(self, *given: Any) -> None:
         pass
@@ -143,7 +144,8 @@ def solved(monkeypatch: pytest.MonkeyPatch, found: Outcome, **of: Any) -> tuple[
     """The policy after one solve that comes to ``found``; and what was judged."""
     one, judged = policy(), []
 
-    def outcome_of(point: Any, _: Any) -> Outcome:
+    def outcome_of(point: Any, _: Any, *, is_polished: bool = False) -> Outcome:
+        assert is_polished == (Solved.kept is not None)
         judged.append(point.name)
         return found
 
@@ -151,8 +153,14 @@ def solved(monkeypatch: pytest.MonkeyPatch, found: Outcome, **of: Any) -> tuple[
         monkeypatch.setattr(Solved, name, value)
     monkeypatch.setattr(steps, "Rounds", Solved)
     monkeypatch.setattr(one, "_outcome", outcome_of)
-    assert one._solved("a step", one.formulation, None) is found
+    outcome = one._solved("a step", one.formulation, None)
+    assert (outcome.point, outcome.judgement) == (found.point, found.judgement)
+    assert outcome.kept == (None if Solved.raised else Solved.kept)
     return one, judged
+
+
+def test_what_was_kept_of_a_step_that_was_ended_early_is_not_polished_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    solved(monkeypatch, STALLED, attempts=(Attempt("a step", "m", Ending.GIVEN_UP),), kept="it is the seed")
 
 
 def test_the_last_run_of_a_step_tells_what_it_came_to(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -196,13 +204,15 @@ def test_what_has_a_number_is_polished_before_it_is_judged(not_a_number: Any, mo
     monkeypatch.setattr(steps.fold_file, "frame", lambda design: design)
     monkeypatch.setattr(steps, "check_frame", lambda frame: f"certificate of {frame}")
     monkeypatch.setattr(verdict, "range_faults", lambda *_: ())
-    monkeypatch.setattr(verdict, "judge", lambda at, _: f"judgement on {at.variables}")
+    monkeypatch.setattr(verdict, "judge", lambda at, *_: f"judgement on {at.variables}")
     point: Any = SimpleNamespace(variables="x")
     found = one._outcome(point)
     expected = "x, polish, balanced" if not_a_number is None else "x"
     assert found.design == f"design of {expected}"
     assert found.certificate == f"certificate of design of {expected}"
     assert found.judgement == f"judgement on {expected}"
+    kept = one._outcome(point, is_polished=True)
+    assert kept.design == ("design of x, balanced" if not_a_number is None else "design of x")
 
 
 # ---- a path of flatter targets
@@ -346,7 +356,7 @@ def test_a_coarser_grid_gives_the_start_where_it_came_near(monkeypatch: pytest.M
     assert from_coarse(monkeypatch, policy(), 1.01 * NEAR) is None
 
 
-def test_a_coarser_grid_gives_no_start_after_a_stop_or_for_a_given_design(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_coarser_grid_is_not_begun_after_a_stop_or_for_a_given_design(monkeypatch: pytest.MonkeyPatch) -> None:
     stopped, given = policy(), policy()
     stopped.control.stop.set()
     assert from_coarse(monkeypatch, stopped) is None

@@ -12,6 +12,7 @@ import pytest
 
 from inverse.policy import rounds as module
 from inverse.policy import verdict
+from inverse.policy.best import Kept
 from inverse.policy.control import Control
 from inverse.policy.rounds import MAX_ROUNDS, SETTLED, SPACING, Rounds
 from inverse.solvers.run import Ending, Run
@@ -29,6 +30,7 @@ class At:
     not_a_number: Any = None
     multipliers: Any = None
     objective: float = 2.0
+    violation: float = 0.0
     said: str = ""
 
     def moved(self, variables: Any) -> At:
@@ -267,8 +269,18 @@ def test_rounds_end_where_a_term_has_no_number_or_on_a_stop(monkeypatch: pytest.
     tried.ending = Ending.INVALID_NUMBER
     assert tried.run() == "round 1"
     tried = Fitted(monkeypatch, [1.0, 1.0])
-    tried.rounds.control.stop.set()
+    monkeypatch.setattr(tried.rounds.runs, "ends", lambda _: True)
     assert tried.run() == "round 1"
+
+
+def test_after_a_stop_no_round_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = Fitted(monkeypatch, [1.0, 1.0])
+    monkeypatch.setattr(tried.rounds.runs.best, "kept", lambda at: Kept(replace(at, said="kept"), "it is the seed"))
+    tried.rounds.control.stop.set()
+    assert tried.run() == "kept"
+    assert tried.rounds.kept == "it is the seed"
+    assert tried.seeds == []
+    assert [attempt.ended for attempt in tried.rounds.attempts] == [Ending.GIVEN_UP]
 
 
 def test_there_is_a_last_round(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -330,7 +342,7 @@ def test_multipliers_of_other_constraints_are_forgotten(
     at = one._beginning(At().problem, START)
     assert at.variables is START
     assert (at.multipliers is not None) is kept
-    assert one.runs.best is SEED  # who stops early gets nothing worse
+    assert one.runs.best.feasible is SEED  # who stops early gets nothing worse
     assert one._beginning(At().problem, None).variables is SEED
 
 
@@ -338,7 +350,7 @@ def test_a_start_without_a_number_has_no_best(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(module, "Point", lambda problem, variables, _: At(variables, problem, ("fit", "vertex 3")))
     one: Any = made(START)
     one._beginning(At().problem, START)
-    assert one.runs.best is None
+    assert one.runs.best.feasible is None
 
 
 @pytest.mark.parametrize("stopped", [False, True])
@@ -346,11 +358,13 @@ def test_a_round_that_was_stopped_ends_at_the_best(stopped: bool, monkeypatch: p
     one: Any = made()
     two = [Run(At(said=said), Ending.LIMIT, 3, 0.0, 0.0, "static pivots") for said in ("first", "last")]  # type: ignore[arg-type]
     monkeypatch.setattr(one.runs, "one_round", lambda *_, **__: two)
-    monkeypatch.setattr(one.runs, "kept", lambda end: replace(end, variables=START, said="kept"))
+    kept = lambda end: Kept(replace(end, variables=START, said="kept"), "it is iteration 3")  # noqa: E731
+    monkeypatch.setattr(one.runs.best, "kept", kept)
     if stopped:
         one.control.stop.set()
     run, rms = one._one_round("a solver", At(), is_seed=True)
     assert run.end.said == ("kept" if stopped else "last")
+    assert one.kept == ("it is iteration 3" if stopped else None)
     expected = np.sqrt(12.5) * (2 if stopped else 1)
     assert rms == pytest.approx(expected)
     assert [attempt.fit_rms for attempt in one.attempts] == [None, rms]
@@ -363,7 +377,7 @@ def test_where_rounds_broke_off_the_best_iterate_is_kept_else_the_start(monkeypa
         monkeypatch.setattr(one, "_untouched", lambda x: x)
         assert one.abandoned() is expected
         best = np.full(3, 5.0)
-        one.runs.begin(best, 0.0)
+        one.runs.best.begin(best, 0.0, 0.0, "a start")
         assert one.abandoned() is best
         assert one.unsolved() is expected
 

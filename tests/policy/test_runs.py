@@ -15,6 +15,7 @@ from inverse.policy import runs as module
 from inverse.policy import verdict
 from inverse.policy.control import Control
 from inverse.policy.runs import TOO_FAR, Runs
+from inverse.solvers.feasibility import Least
 from inverse.solvers.ipopt import APPROACHING, NEAR, STATIC
 from inverse.solvers.run import Ending, Progress, Run
 from inverse.solvers.slsqp import Slsqp
@@ -219,6 +220,57 @@ def test_the_other_solver_takes_all_iterations_at_once(one: Round) -> None:
     assert one.runs.one_round(solver, given, is_seed=True) == [("the start", 100)]
 
 
+# ---- constraints that contradict each other
+
+
+def contradictory(
+    one: Round, monkeypatch: pytest.MonkeyPatch, *ends: tuple[float, bool], violation: float = 1.0
+) -> Any:
+    """A round that does not come near, where the least violation is found in ``ends``: squared, and settled."""
+    one.whole.ends = one.light.ends = {APPROACHING: (Ending.LIMIT, 1.01 * NEAR, 30)}
+    left, starts = iter(ends), []
+
+    def least(at: At, _: Any) -> Least:
+        squared, settled = next(left)
+        starts.append(float(at.variables[0]))
+        point: Any = At(f"least of {squared}")
+        return Least(point, squared, settled)
+
+    monkeypatch.setattr(module, "least_violation", least)
+    goal: Any = one.runs.goal
+    goal.seed_variables = np.ones(2)
+    one.runs.may_contradict = True
+    return one.go(At(violation=violation)), starts
+
+
+def test_what_is_clearly_violated_wherever_it_is_looked_for_ends_the_round(
+    one: Round, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, starts = contradictory(one, monkeypatch, (0.9, True), (0.5, True), (0.7, True))
+    assert found[-1].ending is Ending.INFEASIBLE
+    assert found[-1].end.name == "the start"
+    assert len(one.calls) == 2  # neither of them came near
+    assert starts == [1.0, 0.7, 1.2]
+    least: Any = one.runs.least
+    assert least.name == "least of 0.5"
+    assert one.runs.ends(found[-1])
+
+
+@pytest.mark.parametrize("end", [(0.99 * module.CLEAR, True), (1.0, False)])
+def test_what_may_be_met_is_tried_on(end: tuple[float, bool], one: Round, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, starts = contradictory(one, monkeypatch, (0.9, True), end)
+    assert starts == [1.0, 0.7]
+    assert found[-1].ending is Ending.SOLVED
+    assert one.runs.least is None
+
+
+def test_a_start_that_meets_all_constraints_shows_that_it_can_be_done(
+    one: Round, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, starts = contradictory(one, monkeypatch, violation=verdict.BOUND)
+    assert starts == []
+
+
 # ---- starts that are the answer
 
 
@@ -246,55 +298,11 @@ def test_a_start_that_is_the_answer_stays(
     if settled:
         assert found[0].ending is Ending.SOLVED
         assert found[0].end.multipliers is None
-        assert runs.best is start.variables
-
-
-# ---- what is kept
+        assert runs.best.feasible is start.variables
 
 
 def iterate(violation: float, objective: float, k: float) -> Progress:
     return Progress(0, objective, violation, np.full(2, k))
-
-
-def test_the_best_iterate_is_the_nearest_of_those_within_bounds() -> None:
-    runs = made()
-    assert runs.best is None
-    for k, (violation, objective) in enumerate([(1.0, 0.0), (1e-3, 9.0), (0.9e-7, 5.0), (0.0, 6.0), (1e-6, 1.0)]):
-        assert runs._report(iterate(violation, objective, k))
-    assert runs.best is not None
-    assert runs.best[0] == 2  # 9e-8 is as good as 0, and nearer; 1e-6 is not
-    assert runs._near[2][0] == 4  # of those that a polish may bring within
-
-
-def test_a_start_is_the_best_until_something_is_better() -> None:
-    runs = made()
-    runs.begin(np.full(2, 7.0), 3.0)
-    runs._report(iterate(0.0, 3.5, 1))
-    runs._report(iterate(1e-3, 1.0, 2))
-    assert runs.best is not None
-    assert runs.best[0] == 7
-
-
-@pytest.mark.parametrize(("violation", "kept"), [(verdict.BOUND, 4.0), (1.01 * verdict.BOUND, 2.0)])
-def test_a_polished_iterate_is_kept_if_it_is_feasible(
-    violation: float, kept: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    runs = made()
-    runs._report(iterate(0.0, 5.0, 2))
-    runs._report(iterate(1e-3, 1.0, 4))
-    monkeypatch.setattr(module, "polish", lambda at: replace(at, violation=violation))
-    end: Any = At()
-    assert runs.kept(end).variables[0] == kept
-
-
-def test_states_that_are_packed_move_with_a_polished_iterate(monkeypatch: pytest.MonkeyPatch) -> None:
-    runs = made()
-    runs._report(iterate(0.0, 5.0, 2))
-    goal: Any = runs.goal
-    goal.packed, goal.start = ("a state",), lambda points: points + 1
-    monkeypatch.setattr(module, "polish", lambda at: replace(at, violation=0.0))
-    end: Any = At()
-    assert runs.kept(end).variables[0] == 3
 
 
 # ---- runs without idle bounds
@@ -321,7 +329,8 @@ def test_a_run_without_idle_bounds_is_given_up_where_it_leaves_them(
 ) -> None:
     report, runs = reporter(monkeypatch, violation, convex=convex)
     assert report(iterate(0.0, 1.0, 1)) is goes_on
-    assert runs._near[0] == (max(violation, NEAR) if convex else math.inf)  # of all bounds
+    told = runs.best._nearest
+    assert (None if told is None else told.violation) == (violation if convex else None)  # of all bounds
 
 
 def test_a_stop_ends_a_run_without_idle_bounds(monkeypatch: pytest.MonkeyPatch) -> None:

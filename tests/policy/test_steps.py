@@ -407,3 +407,40 @@ def test_the_unit_does_not_matter(factor: float) -> None:
 def dome_of_radius(radius: float) -> dict[str, Any]:
     half = 0.6 * radius
     return {"height": f"sqrt({radius * radius!r} - x^2 - y^2)", "domain": [[-half, half], [-half, half]]}
+
+
+# ---- constraints that contradict each other
+
+
+WALLS = [{"plane": {"point": [x, 0, 0], "normal": [-x, 0, 0]}} for x in (-0.03, 0.03)]
+RAILS = [
+    {"side": side, "every": 2, "to": {"polyline": [[x, -0.6, 0.2], [x, 0.6, 0.2]]}}
+    for side, x in (("u0", -1.05), ("u1", 1.05))
+]
+CONTRADICTORY = {
+    "walls that a sheet cannot be folded into": (
+        {"edge_length": [0.8, 1.2], "keep_out": WALLS},
+        "constraints.keep_out",
+    ),
+    "rails farther apart than folds allow": (
+        {"edge_length": [0.9, 1.1], "fold_angle": [80, 150], "anchors": RAILS},
+        "constraints.anchors",
+    ),
+    "a gap lower than folds allow": (
+        {"edge_length": [0.8, 1.2], "fold_angle": [40, 140], "keep_out": [{"below": 0.3}, {"above": 0.31}]},
+        "constraints.keep_out",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CONTRADICTORY)
+def test_what_no_design_can_meet_ends_soon_and_says_where(name: str) -> None:
+    """No lengths of paths and no intervals prove these; from three starts nothing comes near."""
+    constraints, key = CONTRADICTORY[name]
+    result = inverse.solve(task(pattern={"size": [10, 10], "u_lines": "CFL"}, constraints=constraints))
+    assert result.ending == "contradictory"
+    assert result.iterations <= 70
+    assert result.certified
+    assert not result.converged
+    assert result.status.startswith("the constraints contradict each other near every start that was tried")
+    assert key in result.status

@@ -131,10 +131,8 @@ def test_the_open_ends_are_sides() -> None:
     first, last = list(range(0, 30, 5)), list(range(4, 30, 5))
     assert held(task([{"side": "v0", "to": level(0)}])) == first
     assert held(task([{"side": "v1", "to": level(4)}])) == last
-    assert held(
-        task([{"side": "ends", "to": {"circle": {"center": [0, 0, 0], "normal": [0, 0, 1], "radius": 1}}}])
-    ) == (first + last)
-    assert held(task([{"side": "ends", "every": 3, "to": {"polygon": SQUARE}}])) == [0, 15, 4, 19]
+    assert held(task([{"side": "ends", "to": level(0)}])) == first + last
+    assert held(task([{"side": "ends", "every": 3, "to": level(0)}])) == [0, 15, 4, 19]
 
 
 def test_vertices_go_around_a_polygon() -> None:
