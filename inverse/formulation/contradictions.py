@@ -183,9 +183,6 @@ class _Task:
                     continue
                 v = int(sources[w])
                 where = self._place("anchors", k)
-                if v == w:
-                    message = f"vertex {w} is held here and in {where}, but these places are {self._said(apart)} apart"
-                    raise self._refused(other, message, "Leave the vertex out of one of them, or move one.")
                 raise self._refused(
                     other,
                     f"vertices {v} ({where}) and {w} are held {self._said(apart)} or more apart, but the edges between "

@@ -96,7 +96,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
                 {"vertices": [5], "to": plane([0, 0, 6], [0, 0, -1])},
             ]
         },
-        "vertex 5 is held here and in constraints.anchors.0, but these places are 1 m apart",
+        "vertex 5 cannot be here and where anchor 0 holds it, 1 m away",
     ),
     "a box shorter than an edge": (
         {"footprint": {"state": "flat-folded", "length": 0.2, "width": 0.1}},

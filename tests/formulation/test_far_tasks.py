@@ -38,6 +38,7 @@ def vault(offset: tuple[float, ...], _: Path) -> dict[str, Any]:
             ],
             "keep_out": [{"below": z - 2}, {"plane": {"point": [x, y, z + 9], "normal": [0, 0, -1]}}],
         },
+        "require": {"coverage": 0.8},
     }
 
 

@@ -48,7 +48,7 @@ def not_a_number() -> inverse.Result:
 
 
 def infeasible() -> inverse.Result:
-    apart = [{"vertices": [0], "to": {"point": [-90, 0, 0]}}, {"vertices": [10], "to": {"point": [90, 0, 0]}}]
+    apart = [{"vertices": [0], "to": {"point": [-1.7, 0, 0]}}, {"vertices": [10], "to": {"point": [1.7, 0, 0]}}]
     return inverse.solve(task(constraints={"anchors": apart}, solver={"max_iterations": 5}))
 
 
