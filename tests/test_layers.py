@@ -98,6 +98,7 @@ ARROWS: dict[str, set[str]] = {
         "repair",
         "results",
         "solve",
+        "certify",
         "fabricate/panels",
         "fabricate/film",
         "fabricate/formats",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter, Token
 
-from inverse.cli.output import file_for, folder_for, is_file_name, write_all
+from inverse.cli.output import file_for, folder_for, is_file_name, told, write_all
 from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
 
@@ -88,7 +88,7 @@ def export(
     formats.check(name, settings)
     mesh = fold_file.read(design)
     with ProgressLine() as line:
-        line.show(f"writing {name}")
+        line.phase(f"making {name}")
         contents = formats.export(mesh, name, settings)
         notes = _notes(mesh, settings, line)
     if out is not None and is_file_name(out):
@@ -106,8 +106,8 @@ def export(
     if as_json:
         print(json.dumps({"files": [str(path) for path in files], "notes": notes}, indent=1))
     else:
-        for path in files:
-            print(f"wrote     {path}")
+        for written_line in told(list(files)):
+            print(written_line)
     return 0
 
 
@@ -132,5 +132,4 @@ def _notes(design: Design, settings: Settings, line: ProgressLine) -> list[str]:
     from inverse.fabricate.panels.panels import panels
     from inverse.fabricate.panels.report import report_lines
 
-    line.show("looking for panels that meet")
-    return report_lines(panels(design, thickness))
+    return report_lines(panels(design, thickness), progress=line.share)

@@ -93,13 +93,13 @@ def _sheets(design: Design, settings: Settings) -> dict[str, bytes]:
 def _drawing(name: str, write: Callable[..., bytes]) -> Callable[[Design, Settings], dict[str, bytes]]:
     def made(design: Design, settings: Settings) -> dict[str, bytes]:
         options = {} if settings.paper is None else {"paper": settings.paper}
-        return {f"crease_pattern.{name}": write(plan_of(design, settings), **options)}
+        return {f"cut_pattern.{name}": write(plan_of(design, settings), **options)}
 
     return made
 
 
 def _pieces(design: Design, settings: Settings) -> dict[str, bytes]:
-    return {"crease_pattern.fold": crease_fold(design, scale=_scale(settings))}
+    return {"cut_pattern.fold": crease_fold(design, scale=_scale(settings))}
 
 
 def plan_of(design: Design, settings: Settings) -> Plan:

@@ -7,6 +7,7 @@ import os
 import platform
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -81,13 +82,16 @@ def save(result: Result | Repair, folder: Path, *, pictures: bool = True) -> lis
         return write(result, results, pictures=pictures).notes
 
 
-def write(result: Result | Repair, results: Results, *, pictures: bool = True) -> Written:
+def write(
+    result: Result | Repair, results: Results, *, pictures: bool = True, phase: Callable[[str], None] | None = None
+) -> Written:
     """Write everything that a solve or a repair promises.
 
     Args:
         result: what was found.
         results: where.
         pictures: whether to draw.
+        phase: told what is being drawn.
 
     Raises:
         InputError: nothing could be written; what was there is still there.
@@ -111,18 +115,20 @@ def write(result: Result | Repair, results: Results, *, pictures: bool = True) -
         return Written([])
     try:
         with interrupts.raised():
-            return Written(_add_pictures(result, results, report))
+            return Written(_add_pictures(result, results, report, phase or (lambda words: None)))
     except KeyboardInterrupt:
         return interrupted
 
 
-def _add_pictures(result: Result | Repair, results: Results, report: dict[str, Any]) -> list[str]:
+def _add_pictures(
+    result: Result | Repair, results: Results, report: dict[str, Any], phase: Callable[[str], None]
+) -> list[str]:
     """Draw, and tell in the report how that went; what is there already does not depend on it."""
     began = time.perf_counter()
     try:
         new = results.filling()
         target, context = (result.target, result.context) if isinstance(result, Result) else (None, None)
-        notes = _draw(result.design, target, context, new)
+        notes = _draw(result.design, target, context, new, phase)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
         _write_json(new / "report.json", report | {"notes": notes, "seconds": seconds})
         results.add()
@@ -131,15 +137,22 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
     return notes
 
 
-def _draw(design: Design, target: Surface | None, context: Surface | None, folder: Path) -> list[str]:
+def _draw(
+    design: Design, target: Surface | None, context: Surface | None, folder: Path, phase: Callable[[str], None]
+) -> list[str]:
+    phase("drawing crease_pattern.svg")
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
     if (design.pattern.edges_type == CFL).any():  # else the developed state has a single layer
+        phase("drawing layers.svg")
         pictures.layers_picture(design, folder / "layers.svg")
+    phase("looking for a way to draw in 3D")
     missing = pictures.can_render()
     if missing is not None:
         return [missing]
     try:
+        phase("drawing design.png")
         pictures.design_picture(design, folder / "design.png", target=target, context=context)
+        phase("drawing states.png")
         pictures.states_picture(design, folder / "states.png")
     except RuntimeError as error:  # the process that draws was killed or took too long
         return [f"No 3D pictures: {error}"]
