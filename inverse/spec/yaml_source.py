@@ -101,7 +101,7 @@ def read(path: Path) -> tuple[dict[str, Any], Source]:
 
     Raises:
         InputError: the file is missing or unreadable, no valid YAML, or no mapping; a key is given twice;
-            there are aliases or tags.
+            there are tags, or aliases of nothing.
     """
     text = read_text(path, MAX_BYTES)
     source = Source(str(path), text)
