@@ -87,7 +87,15 @@ ARROWS: dict[str, set[str]] = {
         "fabricate/picture",
     },
     "fabricate/formats": GROUND
-    | {"origami", "fabricate/cut", "fabricate/panels", "fabricate/meshes", "fabricate/rhino", "fabricate/film"},
+    | {
+        "origami",
+        "fabricate/units",
+        "fabricate/cut",
+        "fabricate/panels",
+        "fabricate/meshes",
+        "fabricate/rhino",
+        "fabricate/film",
+    },
     "fabricate/__init__": set(),
     "cli": GROUND
     | {
@@ -99,6 +107,7 @@ ARROWS: dict[str, set[str]] = {
         "results",
         "solve",
         "certify",
+        "fabricate/units",
         "fabricate/panels",
         "fabricate/film",
         "fabricate/formats",
