@@ -75,7 +75,7 @@ class Source:
         keys, _, value = text.partition("=")
         words = [word.strip() for word in keys.split(".")]
         if not all(words) or not value.strip():
-            example = "For example --set pattern.size=[16,24] or --set constraints.anchors.0.every=3."
+            example = "For example --set 'pattern.size=[16,24]' or --set constraints.anchors.0.every=3."
             raise fail((0, 0), "an override is a key path, an equals sign and a value", example)
         new = parse(value, fail, {})
         holder: Any = data
