@@ -96,7 +96,7 @@ def fold(
             line.phase("folding")
             content = motion.animation(
                 mesh, list(named), frames=count, degrees=degrees, thickness=thick, size=size or motion.SIZE,
-                surroundings=around, progress=lambda done, n: line.share("drawing frames", done, n),
+                surroundings=around, progress=lambda done, n: _told(line, done, n),
             )  # fmt: skip
         files = {named[one]: content[one] for one in named}
     write_all(files)
@@ -106,6 +106,14 @@ def fold(
         for written in told(list(files)):
             print(written)
     return 0
+
+
+def _told(line: ProgressLine, done: int, of: int) -> None:
+    """Show which frame is drawn; the film is made of them afterwards."""
+    if done < of:
+        line.share("drawing frames", done, of)
+    else:
+        line.phase("making the film")
 
 
 def _state_paths(design: Path, out: Path | None, at: Sequence[float]) -> dict[float, Path]:
