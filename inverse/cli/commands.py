@@ -8,12 +8,12 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from inverse import interrupts
 from inverse.cli.export import export
 from inverse.cli.fold import fold
-from inverse.cli.output import told
+from inverse.cli.output import made_before, told
 from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
 from inverse.files.atomic import json_text
@@ -74,18 +74,20 @@ def solve(
     if stop.is_set():
         return interrupts.told()
     check_same_design(folder, loaded.specification.name)
+    outdated = made_before(folder)
     with ExitStack() as folders:
         results = folders.enter_context(Results(folder))
         with _Watch() as watch:
             watch.phase(f"preparing {loaded.specification.name}")
             result = run(loaded, start=start, watch=watch)
         if saving.keeps_earlier(result, folder):
+            outdated = None
             earlier, folder = folder, folder.absolute().with_name(f"{folder.absolute().name}.interrupted")
             print(f"{earlier} keeps its certified design; that of this run goes to {folder}", file=sys.stderr)
             results = folders.enter_context(Results(folder))
         with ProgressLine() as line:
             written = saving.write(result, results, phase=line.phase)
-    for note in written.notes:
+    for note in (*written.notes, *([] if outdated is None else [outdated])):
         print(note, file=sys.stderr)
     if as_json:
         print(json_text(_summary(result, folder)))
@@ -206,8 +208,15 @@ def run(arguments: list[str]) -> int:
     """Run the command line; wrong input becomes a message and a code, never a traceback."""
     try:
         with interrupts.raised():
-            result = app(arguments, exit_on_error=False, print_error=True)
-    except CycloptsError:
+            result = app(arguments, exit_on_error=False, print_error=False)
+    except UnusedCliTokensError as error:
+        words = " ".join(error.unused_tokens or ())
+        command = " ".join(["inverse", *(error.command_chain or ()), "--help"])
+        print(f"error: no argument or option takes {words}", file=sys.stderr)
+        print(f"What may be repeated is named anew for each value; `{command}` lists what there is.", file=sys.stderr)
+        return WRONG_INPUT
+    except CycloptsError as error:
+        print(f"error: {error}", file=sys.stderr)
         return WRONG_INPUT
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -9,6 +9,8 @@ from inverse.errors import InputError
 from inverse.files.atomic import write_together
 
 MOST_LINES = 8  # files that are told one by one
+# What `inverse export` and `inverse fold` make of a design beside it, where no other name is asked for.
+_MADE = ("cut_pattern.*", "surface.*", "panels.*", "sheet_*.dxf", "cut_list.csv", "motion.*", "state_*.fold")
 
 
 def folder_for(design: Path, given: Path | None) -> Path:
@@ -64,6 +66,20 @@ def told(paths: Sequence[Path]) -> list[str]:
         else:
             lines.append(f"wrote     {len(some)} files to {folder}: {some[0].name} ... {some[-1].name}")
     return lines
+
+
+def made_before(folder: Path) -> str | None:
+    """A sentence about files in an output folder that were made of the design that is replaced; None without any.
+
+    Args:
+        folder: an output folder, there or not.
+    """
+    names = sorted({path.name for pattern in _MADE for path in folder.glob(pattern)})
+    if not names or not (folder / "design.fold").exists():
+        return None
+    several = f"{names[0]} ... {names[-1]}, {len(names)} files," if len(names) > 3 else " and ".join(names)
+    are = "are" if len(names) > 1 else "is"
+    return f"{several} in {folder} {are} of the design before: make {'them' if len(names) > 1 else 'it'} anew"
 
 
 def write_all(files: Mapping[Path, str | bytes]) -> None:

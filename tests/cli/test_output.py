@@ -107,3 +107,33 @@ def test_the_verdict_outlives_the_reader(tmp_path: Path) -> None:
                           stderr=subprocess.PIPE, timeout=60, check=False)  # fmt: skip
     os.close(write)
     assert done.returncode == 2
+
+
+def test_files_of_the_design_before_are_told(results: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (results / "notes.txt").write_text("mine")
+    capsys.readouterr()
+    assert commands.run(["solve", "dome.yaml"]) == 0
+    assert "of the design before" not in capsys.readouterr().err
+    for words in (["export", "--to", "svg"], ["fold", "--to", "html"]):
+        assert commands.run([words[0], str(results / "design.fold"), *words[1:]]) == 0
+    capsys.readouterr()
+    assert commands.run(["solve", "dome.yaml"]) == 0
+    assert f"cut_pattern.svg and motion.html in {results} are of the design before" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["fold", "a.fold", "--at", "45", "100"], ["no argument or option takes 100", "`inverse fold --help`"]),
+        (["solve", "a.yaml", "--ste", "a=1"], ["Unknown option", "Did you mean --set?"]),
+        (["export", "a.fold", "--to", "pdf", "--scale", "1:x"], ["1:x is no scale, such as 1:50 or 0.02"]),
+    ],
+)
+def test_misuse_is_told_in_plain_lines(
+    arguments: list[str], words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert commands.run(arguments) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    for word in words:
+        assert word in said
