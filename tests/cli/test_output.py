@@ -137,3 +137,16 @@ def test_misuse_is_told_in_plain_lines(
     assert said.startswith("error: ")
     for word in words:
         assert word in said
+
+
+def test_help_says_where_files_go(capsys: pytest.CaptureFixture[str]) -> None:
+    """And no option shows a default that nobody would write."""
+    for command in ("solve", "repair"):
+        assert commands.run([command, "--help"]) == 0
+        words = " ".join(capsys.readouterr().out.replace("│", " ").split())
+        assert "by default out/NAME" in words
+    for command in ("solve", "check", "repair", "fold", "export"):
+        assert commands.run([command, "--help"]) == 0
+        printed = capsys.readouterr().out
+        assert "default: ()" not in printed
+        assert "--empty" not in printed

@@ -20,8 +20,8 @@ from inverse.errors import InputError
 from inverse.fabricate import formats
 from inverse.fabricate.cut.crease_plan import crease_plan, layers_plan
 from inverse.fabricate.cut.dashes import perforated
-from inverse.fabricate.cut.pages import EDGE, FOOT, PAPERS, Page, laid_out, room_of
-from inverse.fabricate.cut.pdf import BAR, pdf
+from inverse.fabricate.cut.pages import EDGE, FOOT, PAPERS, Page, Placed, laid_out, room_of
+from inverse.fabricate.cut.pdf import BAR, _shown, pdf
 from inverse.fabricate.cut.plan import Line, Plan
 from inverse.fabricate.formats import Settings, pages_note
 from inverse.fabricate.units import ratio_below, scale_in_words, scale_of
@@ -143,6 +143,19 @@ def test_every_page_shows_all_that_is_within_it(paper: str) -> None:
             assert not words - Counter(word.decode() for word in re.findall(rb"\(([\d.]+)\) Tj", text))
             seen |= set(words)
     assert seen == {text.words for text in plan.texts}
+
+
+@pytest.mark.parametrize(
+    ("pieces", "words"),
+    [
+        ([0], "piece 1 of 20"),
+        ([0, 1, 2, 3], "pieces 1 to 4 of 20"),
+        ([7, 0, 4, 5], "pieces 1, 5 to 6, 8 of 20"),
+        (list(range(0, 20, 2)), "10 pieces of 20"),
+    ],
+)
+def test_a_page_names_its_pieces(pieces: list[int], words: str) -> None:
+    assert _shown(Page(tuple(Placed(piece, np.eye(2), np.zeros(2)) for piece in pieces)), 20) == words
 
 
 def test_parts_without_a_line_are_left_out() -> None:

@@ -19,6 +19,7 @@ WIDTH = 0.2  # mm, of lines
 _POINT = 72 / 25.4  # points in a millimetre
 _WORDS = 2.6  # mm, size of the words at the foot
 _LONGEST = 40  # letters of a title
+_RUNS = 6  # numbers of pieces, or of runs of them, that a page has room to name
 _MEANINGS = {"flap": "flap: cut, fold and glue", "label": ""}  # of layers whose names do not say it
 
 
@@ -65,9 +66,18 @@ def pdf(plan: Plan, paper: str = "A4") -> bytes:
 def _shown(page: Page, pieces: int) -> str:
     """Which pieces a page shows, or which part of one, counted from 1 on."""
     numbers = sorted(placed.piece + 1 for placed in page.placed)
-    if page.is_whole:
-        return f"piece{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))} of {pieces}"
-    return f"piece {numbers[0]} of {pieces}, part {page.part_name}"
+    if not page.is_whole:
+        return f"piece {numbers[0]} of {pieces}, part {page.part_name}"
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    if len(runs) > _RUNS:
+        return f"{len(numbers)} pieces of {pieces}"
+    words = ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+    return f"piece{'s' if len(numbers) > 1 else ''} {words} of {pieces}"
 
 
 def _near(plan: Plan, placed: Placed, room: FloatArray) -> list[Text]:
