@@ -68,14 +68,14 @@ class ProgressLine:
             done: parts that are done.
             of: parts in all; 0 where that is not known.
         """
+        if not of:
+            self.show(words)
+            return
         now = time.monotonic()
         if words != self._phase:
             self._phase, self._began = words, now
         spent = now - self._began
         left = f", {_seconds(spent / done * (of - done))} left" if 0 < done < of and spent > 1 else ""
-        if not of:
-            self.phase(words)
-            return
         self.show(f"{words}: {done} of {of}, {100 * done // of} %{left}")
 
     def _keep_showing(self) -> None:

@@ -69,6 +69,7 @@ def test_shares_and_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> No
         "drawing frames: 0 of 8, 0 %",
         "drawing frames: 2 of 8, 25 %, 30 s left",
         "writing: 1 of 2, 50 %",
+        "looking",
     ]
 
 

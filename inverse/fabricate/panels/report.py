@@ -40,8 +40,11 @@ def report_lines(
         )
     else:
         lines.append(f"no panels penetrate each other at {states} states of that range")
-    tell("looking for the first contact", 0, 0)
-    for contact, way in zip(first_contacts(panels, states), ("developed", "flat-folded"), strict=True):
+
+    def look(t: float) -> None:
+        tell(f"looking for the first contact, at t = {np.degrees(t):.5g} degrees", 0, 0)
+
+    for contact, way in zip(first_contacts(panels, states, look), ("developed", "flat-folded"), strict=True):
         told = "none" if contact is None else f"panels {_who(panels, contact)}"
         lines.append(f"first contact towards the {way} state: {told}")
     words = "looking for facets that cross, states"
