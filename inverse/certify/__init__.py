@@ -67,13 +67,12 @@ def check_frame(frame: FoldFrame, progress: Callable[[int, int], None] | None = 
         if structure.typed:
             motion = Motion(mesh, points, structure.types, sine, cosine)
             found["motion_gap"] = motion.gap()
-            tell = progress or (lambda done, of: None)
             if mesh.n_holes is not None:
                 strips = loops.shortest_strips(mesh)
                 faults += mobility.faults(motion, strips)
                 found["loop_closure"], closed = loops.closure(motion, strips)
             if all(judge(name, found[name]).passed for name in ("motion_gap", "crossing_design")):
-                free_range, crossings = collisions.free_range(motion, tell)
+                free_range, crossings = collisions.free_range(motion, progress)
 
     found["structure"] = float(len(faults)), faults[0] if faults else "no faults"
     checks = {name: judge(name, measured) for name, measured in coarse.explained(found, structure).items()}

@@ -30,7 +30,7 @@ def design_crossings(points: FloatArray, facets: tuple[tuple[int, ...], ...]) ->
 
 
 def free_range(
-    motion: Motion, progress: Callable[[int, int], None]
+    motion: Motion, progress: Callable[[int, int], None] | None = None
 ) -> tuple[tuple[float, float], tuple[Crossing, ...]]:
     """The part of the motion around the design state in which no facets were found to cross, in degrees.
 
@@ -47,10 +47,10 @@ def free_range(
     """
     outwards = np.linspace(90.0, 180.0, N_STATES // 2 + 1)[1:]
     outwards[-1] = 180.0 - NEAREST_TO_FLAT
-    of = 2 * len(outwards)
+    of, tell = 2 * len(outwards), progress or (lambda done, of: None)
     ends = (
-        _first(motion, 180.0 - outwards, lambda done: progress(done, of)),
-        _first(motion, outwards, lambda done: progress(of // 2 + done, of)),
+        _first(motion, 180.0 - outwards, lambda done: tell(done, of)),
+        _first(motion, outwards, lambda done: tell(of // 2 + done, of)),
     )
     low, high = (flat if end is None else end.t for end, flat in zip(ends, (0.0, 180.0), strict=True))
     return (low, high), tuple(end for end in ends if end is not None)
