@@ -42,6 +42,7 @@ format: $(STAMP) ## let ruff rewrite what it can
 	$(BIN)/ruff format
 
 docs: $(STAMP) ## pages of docs/ and of the docstrings, build/docs/index.html; warnings are errors
+	$(BIN)/python docs/keys.py
 	$(BIN)/python -m sphinx -W --keep-going --quiet docs build/docs
 
 bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, films, thick panels (a quarter of an hour)

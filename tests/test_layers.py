@@ -102,7 +102,15 @@ ARROWS: dict[str, set[str]] = {
         "fabricate/picture",
     },
     "fabricate/formats": GROUND
-    | {"origami", "fabricate/cut", "fabricate/panels", "fabricate/meshes", "fabricate/rhino", "fabricate/film"},
+    | {
+        "origami",
+        "fabricate/units",
+        "fabricate/cut",
+        "fabricate/panels",
+        "fabricate/meshes",
+        "fabricate/rhino",
+        "fabricate/film",
+    },
     "fabricate/__init__": set(),
     "cli": GROUND
     | {
@@ -114,6 +122,8 @@ ARROWS: dict[str, set[str]] = {
         "results",
         "solve",
         "showing",
+        "certify",
+        "fabricate/units",
         "fabricate/panels",
         "fabricate/film",
         "fabricate/formats",

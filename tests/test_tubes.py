@@ -107,3 +107,14 @@ def test_newton_is_given_independent_equations_and_the_approach_all(monkeypatch:
     assert result.ending == "solved"
     assert {(is_approach, count) for is_approach, count, _ in seen} == {(True, 0), (False, 15)}
     assert max(push for *_, push in seen) < 1e-12, seen
+
+
+def test_a_tube_is_packed() -> None:
+    """docs/footprint.md says how far."""
+    free, packed = solve(6, 10, TAPER), solve(6, 10, TAPER, objectives={"footprint": 1e-3})
+    assert packed.ending == "solved", packed.status
+    areas = [result.report["footprint"]["flat-folded"]["area"] for result in (free, packed)]
+    assert areas[0] == pytest.approx(3.21 * 2.01, rel=0.01)
+    assert areas[1] == pytest.approx(2.18 * 1.31, rel=0.01)
+    limit = solve(6, 10, TAPER, constraints={"footprint": {"length": 2.9}})
+    assert limit.ending == "solved", limit.status

@@ -7,6 +7,7 @@ derived anew, by formulas other than those of :mod:`inverse.origami.folding`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from inverse.certify import claims, coarse, collisions, loops, measures, mobility
@@ -19,11 +20,12 @@ from inverse.files.fold_format import FoldFrame, read_frame
 __all__ = ["Certificate", "Check", "Loop", "check", "check_frame"]
 
 
-def check(path: Path | str) -> Certificate:
+def check(path: Path | str, progress: Callable[[int, int], None] | None = None) -> Certificate:
     """Certify a design file.
 
     Args:
         path: a FOLD file with the keys of a design.
+        progress: told how many states of how many of the motion are done; where facets cross, the rest is left out.
 
     Returns:
         The verdict; a design that is wrong in whatever way gets a certificate that says so.
@@ -31,14 +33,15 @@ def check(path: Path | str) -> Certificate:
     Raises:
         InputError: the file cannot be read as a design, see :func:`inverse.files.fold_format.read_frame`.
     """
-    return check_frame(read_frame(Path(path)))
+    return check_frame(read_frame(Path(path)), progress)
 
 
-def check_frame(frame: FoldFrame) -> Certificate:
+def check_frame(frame: FoldFrame, progress: Callable[[int, int], None] | None = None) -> Certificate:
     """Certify what a design file says.
 
     Args:
         frame: keys of the right form, otherwise unverified.
+        progress: as of :func:`check`.
 
     Returns:
         The verdict, checks in the order of the contract.
@@ -69,7 +72,7 @@ def check_frame(frame: FoldFrame) -> Certificate:
                 faults += mobility.faults(motion, strips)
                 found["loop_closure"], closed = loops.closure(motion, strips)
             if all(judge(name, found[name]).passed for name in ("motion_gap", "crossing_design")):
-                free_range, crossings = collisions.free_range(motion)
+                free_range, crossings = collisions.free_range(motion, progress)
 
     found["structure"] = float(len(faults)), faults[0] if faults else "no faults"
     checks = {name: judge(name, measured) for name, measured in coarse.explained(found, structure).items()}

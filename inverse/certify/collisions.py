@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
@@ -27,31 +29,42 @@ def design_crossings(points: FloatArray, facets: tuple[tuple[int, ...], ...]) ->
     return float(len(pairs)), f"facets {named}{more}"
 
 
-def free_range(motion: Motion) -> tuple[tuple[float, float], tuple[Crossing, ...]]:
+def free_range(
+    motion: Motion, progress: Callable[[int, int], None] | None = None
+) -> tuple[tuple[float, float], tuple[Crossing, ...]]:
     """The part of the motion around the design state in which no facets were found to cross, in degrees.
 
     States are sampled outwards from 90 degrees at the motion's own spacing and just before the flat states;
     the first crossing is then located by bisection. A crossing that comes and goes between two samples is
     missed. A side without any crossing is reported up to its flat state, 0 or 180.
 
+    Args:
+        motion: of the design.
+        progress: told how many states of how many are looked at.
+
     Returns:
         The range, and at each of its ends that is not a flat state what crosses there.
     """
     outwards = np.linspace(90.0, 180.0, N_STATES // 2 + 1)[1:]
     outwards[-1] = 180.0 - NEAREST_TO_FLAT
-    ends = _first(motion, 180.0 - outwards), _first(motion, outwards)
+    of, tell = 2 * len(outwards), progress or (lambda done, of: None)
+    ends = (
+        _first(motion, 180.0 - outwards, lambda done: tell(done, of)),
+        _first(motion, outwards, lambda done: tell(of // 2 + done, of)),
+    )
     low, high = (flat if end is None else end.t for end, flat in zip(ends, (0.0, 180.0), strict=True))
     return (low, high), tuple(end for end in ends if end is not None)
 
 
-def _first(motion: Motion, states: FloatArray) -> Crossing | None:
-    free = 90.0
+def _first(motion: Motion, states: FloatArray, told: Callable[[int], None]) -> Crossing | None:
+    free, done = 90.0, 0
     for some in np.array_split(states, range(STATES_AT_ONCE, len(states), STATES_AT_ONCE)):
         for crossed, points in zip(some.tolist(), motion.vertices(np.radians(some / 2)), strict=True):
             pairs = crossing_facets(points, motion.mesh.facets)
             if len(pairs):
                 return _located(motion, free, crossed, pairs)
-            free = crossed
+            free, done = crossed, done + 1
+            told(done)
     return None
 
 

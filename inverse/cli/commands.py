@@ -9,16 +9,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from inverse import interrupts
 from inverse.cli.export import export
 from inverse.cli.fold import fold
+from inverse.cli.output import made_before, told
 from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
 from inverse.files.atomic import json_text
 
 if TYPE_CHECKING:
+    from inverse.certify import Certificate
     from inverse.repair.repairing import Repair
     from inverse.results.result import Result
     from inverse.solvers.run import Progress
@@ -32,6 +34,7 @@ KEEPING = (
 
 app = App(
     name="inverse",
+    default_parameter=Parameter(negative=(), show_default=False),
     help="Design rigid-foldable structures backwards: from a target surface to a certified pattern.",
     help_epilogue="Exit codes: 0 foldable, optimal and as asked, 1 ran but not all, 2 wrong input, 3 interrupted.",
     version_flags=["--version"],
@@ -56,8 +59,8 @@ def solve(
 
     Args:
         specification: YAML file; `inverse schema` describes it.
-        out: folder for the results, out/<name> by default.
-        overrides: changes a value of the specification, as key.path=value; may be repeated.
+        out: folder for the results; by default out/NAME, after the name in the specification.
+        overrides: changes a value of the specification, as 'key.path=value'; may be repeated.
         start: output folder or FOLD file of a design of the same pattern, to go on from instead of the seed.
         extensions: Python file that is RUN first, with all your rights, and registers objectives, constraints,
             measures, targets or patterns of your own; may be repeated.
@@ -71,7 +74,7 @@ def solve(
         from inverse import spec
         from inverse.extending.loading import load_file
         from inverse.results import saving
-        from inverse.results.folder import Results
+        from inverse.results.folder import Results, check_same_design
 
         for file in extensions:
             load_file(file)
@@ -81,17 +84,21 @@ def solve(
         return interrupts.told()
     if show is not None:
         return _show(loaded, folder, as_json=as_json)
+    check_same_design(folder, loaded.specification.name)
+    outdated = made_before(folder)
     with ExitStack() as folders:
         results = folders.enter_context(Results(folder))
         with interrupts.announced(KEEPING), _Watch() as watch:
+            watch.phase(f"preparing {loaded.specification.name}")
             result = run(loaded, start=start, watch=watch)
         if saving.keeps_earlier(result, folder):
+            outdated = None
             earlier, folder = folder, folder.absolute().with_name(f"{folder.absolute().name}.interrupted")
             print(f"{earlier} keeps its certified design; that of this run goes to {folder}", file=sys.stderr)
             results = folders.enter_context(Results(folder))
-        with interrupts.announced("interrupted: the results are written without pictures"):
-            written = saving.write(result, results)
-    for note in written.notes:
+        with interrupts.announced("interrupted: the results are written without pictures"), ProgressLine() as line:
+            written = saving.write(result, results, phase=line.phase)
+    for note in (*written.notes, *([] if outdated is None else [outdated])):
         print(note, file=sys.stderr)
     if as_json:
         print(json_text(_summary(result, folder)))
@@ -109,8 +116,10 @@ def solve(
         )
         spent = sum(result.seconds[part] for part in ("start", "build", "solve"))
         print(f"solving   {spent:.1f} s, {result.iterations} iterations")
-        for path in saving.files(folder):
-            print(f"wrote     {path}")
+        for sentence in _motion(result.certificate):
+            print(f"motion    {sentence}")
+        for written_line in told(saving.files(folder)):
+            print(written_line)
     if result.interrupted or written.interrupted:
         return INTERRUPTED
     return DONE if result.solved else NOT_DONE
@@ -124,20 +133,19 @@ def check(design: Path, /, *, as_json: Annotated[bool, Parameter(name="--json", 
         design: FOLD file.
         as_json: print the certificate as JSON.
     """
-    from inverse import check as certify
+    from inverse.certify import check as certify
     from inverse.results.folder import settle
 
     settle(design.parent)
-    certificate = certify(design)
+    with ProgressLine() as line:
+        line.phase(f"certifying {design}")
+        certificate = certify(design, lambda done, of: line.share("certifying, states of the motion", done, of))
     if as_json:
         print(json_text(certificate.document()))
     else:
         for one in certificate.checks.values():
             print(one.sentence)
-        if certificate.free_range is not None:
-            low, high = certificate.free_range
-            print(f"free of crossings from t = {low:g} to {high:g} degrees")
-        for sentence in (one.sentence for some in (certificate.loops, certificate.crossings) for one in some):
+        for sentence in (*_motion(certificate), *(loop.sentence for loop in certificate.loops)):
             print(sentence)
         print(certificate.sentence)
     return DONE if certificate.certified else NOT_DONE
@@ -158,7 +166,7 @@ def repair(
 
     Args:
         pattern: FOLD or OBJ file of a semi-folded state, or of a flat crease pattern, which is folded first.
-        out: folder for the results, out/<file name> by default.
+        out: folder for the results; by default out/NAME, after the name of the file.
         u_lines: for a grid, FL or CFL for all interior lines crossed by walking along u, or a word for each,
             separated by commas. Types are read from the file or deduced if neither is given.
         v_lines: the same along v.
@@ -167,12 +175,14 @@ def repair(
     """
     from inverse import repair as run
     from inverse.results import saving
-    from inverse.results.folder import Results
+    from inverse.results.folder import Results, check_same_design
 
     folder = saving.output_folder(pattern.stem, out)
-    with Results(folder) as results:
+    with Results(folder) as results, ProgressLine() as line:
+        line.phase(f"repairing {pattern}")
         result = run(pattern, u_lines=u_lines, v_lines=v_lines, far=far)
-        written = saving.write(result, results)
+        check_same_design(folder, result.design.name)
+        written = saving.write(result, results, phase=line.phase)
     for note in written.notes:
         print(note, file=sys.stderr)
     if as_json:
@@ -180,10 +190,10 @@ def repair(
     else:
         done = result.certified and result.converged
         print(result.status if done else f"NOT REPAIRED: {result.status}", file=sys.stderr)
-        for line in _repair_lines(result):
-            print(line)
-        for path in saving.files(folder):
-            print(f"wrote     {path}")
+        for sentence in _repair_lines(result):
+            print(sentence)
+        for written_line in told(saving.files(folder)):
+            print(written_line)
     if written.interrupted:
         return INTERRUPTED
     return DONE if result.certified and result.converged else NOT_DONE
@@ -215,8 +225,15 @@ def run(arguments: list[str]) -> int:
     """Run the command line; wrong input becomes a message and a code, never a traceback."""
     try:
         with interrupts.raised():
-            result = app(arguments, exit_on_error=False, print_error=True)
-    except CycloptsError:
+            result = app(arguments, exit_on_error=False, print_error=False)
+    except UnusedCliTokensError as error:
+        words = " ".join(error.unused_tokens or ())
+        command = " ".join(["inverse", *(error.command_chain or ()), "--help"])
+        print(f"error: no argument or option takes {words}", file=sys.stderr)
+        print(f"What may be repeated is named anew for each value; `{command}` lists what there is.", file=sys.stderr)
+        return WRONG_INPUT
+    except CycloptsError as error:
+        print(f"error: {error}", file=sys.stderr)
         return WRONG_INPUT
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -264,6 +281,15 @@ def _summary(result: Result, folder: Path) -> dict[str, object]:
         "fit": result.fit.document(),
         "coverage": asdict(result.coverage),
     }
+
+
+def _motion(certificate: Certificate) -> list[str]:
+    """How far a design folds before facets cross, and which ones do then."""
+    if certificate.free_range is None:
+        return []
+    low, high = certificate.free_range
+    found = [f"free of crossings from t = {low:g} to {high:g} degrees (0 developed, 90 the design, 180 flat-folded)"]
+    return found + [crossing.sentence for crossing in certificate.crossings]
 
 
 def _repair_lines(result: Repair) -> list[str]:

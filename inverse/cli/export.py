@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter, Token
 
-from inverse.cli.output import file_for, folder_for, is_file_name, write_all
+from inverse.cli.output import file_for, folder_for, is_file_name, told, write_all
 from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
+from inverse.fabricate.units import scale_of
 
 if TYPE_CHECKING:
     from inverse.fabricate.formats import Settings
@@ -32,6 +33,11 @@ def _foldline(_: object, tokens: Sequence[Token]) -> tuple[tuple[int, int, float
     return tuple(found)
 
 
+def _scale(_: object, tokens: Sequence[Token]) -> float:
+    """1:50 or 0.02."""
+    return scale_of(tokens[0].value)
+
+
 def export(
     design: Path,
     /,
@@ -45,7 +51,7 @@ def export(
     hinge: float | None = None,
     density: float | None = None,
     sheet: tuple[float, float] | None = None,
-    scale: float | None = None,
+    scale: Annotated[float | None, Parameter(converter=_scale)] = None,
     dash: float | None = None,
     gap: float | None = None,
     flaps: float | None = None,
@@ -67,7 +73,7 @@ def export(
         hinge: thickness of a sheet between the layers, in the design's unit.
         density: of the panels in kilograms per cubic metre, for their masses in the list of panels.
         sheet: width and height of what panels are cut from, in the design's unit.
-        scale: of a crease pattern, 1 (full size) by default; 0.1 makes a model of 1 : 10.
+        scale: of a crease pattern, 1 (full size) by default; 1:50 or 0.02 makes a model of which 20 mm are 1 m.
         dash: perforate what is folded by cuts of this length in mm, with --gap between them.
         gap: least length in mm between the cuts of a perforation.
         flaps: depth in mm of flaps to glue pieces together with.
@@ -88,9 +94,9 @@ def export(
     formats.check(name, settings)
     mesh = fold_file.read(design)
     with ProgressLine() as line:
-        line.show(f"writing {name}")
+        line.phase(f"making {name}")
         contents = formats.export(mesh, name, settings)
-        notes = _notes(mesh, settings, line)
+        notes = _notes(mesh, name, settings, line)
     if out is not None and is_file_name(out):
         if len(contents) > 1:
             raise InputError(f"{len(contents)} files cannot be one file {out}", hint="Give a folder as -o.")
@@ -106,8 +112,8 @@ def export(
     if as_json:
         print(json.dumps({"files": [str(path) for path in files], "notes": notes}, indent=1))
     else:
-        for path in files:
-            print(f"wrote     {path}")
+        for written_line in told(list(files)):
+            print(written_line)
     return 0
 
 
@@ -122,15 +128,17 @@ def _format(to: str | None, out: Path | None) -> str:
     return given or ending or ""
 
 
-def _notes(design: Design, settings: Settings, line: ProgressLine) -> list[str]:
-    """What is told about thick panels: how far they fold, and who meets whom."""
+def _notes(design: Design, name: str, settings: Settings, line: ProgressLine) -> list[str]:
+    """What is told besides: pieces that pages cut; how far thick panels fold, and who meets whom."""
     from inverse.fabricate import formats
 
+    if name == "pdf":
+        note = formats.pages_note(design, settings)
+        return [] if note is None else [note]
     thickness = formats.thickness_of(design, settings)
     if thickness is None:
         return []
     from inverse.fabricate.panels.panels import panels
     from inverse.fabricate.panels.report import report_lines
 
-    line.show("looking for panels that meet")
-    return report_lines(panels(design, thickness))
+    return report_lines(panels(design, thickness), progress=line.share)

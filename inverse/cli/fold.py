@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter, Token
 
-from inverse.cli.output import file_for, folder_for, is_file_name, write_all
+from inverse.cli.output import file_for, folder_for, is_file_name, told, write_all
 from inverse.cli.terminal import ProgressLine
 from inverse.errors import InputError
 
@@ -93,18 +93,27 @@ def fold(
             raise InputError("delta and a hinge sheet are of thick panels", hint="Give --thickness too.")
         around = _surroundings(target, context, figure, mesh.unit)
         with ProgressLine() as line:
+            line.phase("folding")
             content = motion.animation(
                 mesh, list(named), frames=count, degrees=degrees, thickness=thick, size=size or motion.SIZE,
-                surroundings=around, progress=lambda done, n: line.show(f"drawing frame {done} of {n}"),
+                surroundings=around, progress=lambda done, n: _told(line, done, n),
             )  # fmt: skip
         files = {named[one]: content[one] for one in named}
     write_all(files)
     if as_json:
         print(json.dumps({"files": [str(path) for path in files]}, indent=1))
     else:
-        for path in files:
-            print(f"wrote     {path}")
+        for written in told(list(files)):
+            print(written)
     return 0
+
+
+def _told(line: ProgressLine, done: int, of: int) -> None:
+    """Show which frame is drawn; the film is made of them afterwards."""
+    if done < of:
+        line.share("drawing frames", done, of)
+    else:
+        line.phase("making the film")
 
 
 def _state_paths(design: Path, out: Path | None, at: Sequence[float]) -> dict[float, Path]:

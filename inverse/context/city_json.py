@@ -12,8 +12,9 @@ import numpy as np
 from inverse._types import FloatArray
 from inverse.context.building import Building, Context, Surface
 from inverse.context.city_objects import FARTHEST, MalformedError, buildings_of
+from inverse.context.formats import BEGINNING, other_format
 from inverse.errors import InputError
-from inverse.files.reading import json_object, read_text
+from inverse.files.reading import json_object, read_bytes, read_text
 
 VERSIONS = ("1.1", "2.0")
 MAX_BYTES = 100_000_000
@@ -37,6 +38,7 @@ def read_city_json(path: Path, origin: Sequence[float] | FloatArray | None = Non
         InputError: the file is missing, is not CityJSON of these versions, or holds no building.
     """
     path = Path(path)
+    _check_format(path)
     text = read_text(path, MAX_BYTES)
     start = None if origin is None else _point(origin, "origin")
     where, header, features = _documents(text, path.name)
@@ -53,6 +55,16 @@ def read_city_json(path: Path, origin: Sequence[float] | FloatArray | None = Non
     if not buildings:
         raise InputError("no building with a surface geometry was found", where=path.name)
     return _placed(buildings, translate, start, path.name)
+
+
+def _check_format(path: Path) -> None:
+    """Refuse a file of another format by its name: what a JSON reader says of it helps nobody."""
+    other = other_format(read_bytes(path, MAX_BYTES)[:BEGINNING])
+    if other is not None:
+        raise InputError(
+            f"this is {other}: buildings are read from CityJSON, version {' or '.join(VERSIONS)}", where=path.name,
+            hint="Give them as .city.json or .city.jsonl, or leave the context out.",
+        )  # fmt: skip
 
 
 def _placed(buildings: list[Building], translate: FloatArray, origin: FloatArray | None, name: str) -> Context:

@@ -15,14 +15,19 @@ from inverse.fabricate.cut.crease_plan import crease_plan, layers_plan
 from inverse.fabricate.cut.dashes import perforated
 from inverse.fabricate.cut.dxf import crease_dxf
 from inverse.fabricate.cut.fold import crease_fold
+from inverse.fabricate.cut.labels import LARGEST
+from inverse.fabricate.cut.pages import fitting_share, laid_out
 from inverse.fabricate.cut.pdf import pdf
 from inverse.fabricate.cut.plan import Plan
 from inverse.fabricate.cut.svg import svg
 from inverse.fabricate.film.motion import folding_amount
 from inverse.fabricate.panels import cutting
 from inverse.fabricate.panels.thickness import Thickness
+from inverse.fabricate.units import ratio_below
 from inverse.origami.pattern import B, Design
 from inverse.words import did_you_mean, printable
+
+PAPER = "A4"
 
 
 @dataclass(frozen=True)
@@ -90,16 +95,39 @@ def _sheets(design: Design, settings: Settings) -> dict[str, bytes]:
     return cutting.dxf(design, thickness=thickness, sheet=settings.sheet, density=settings.density)
 
 
-def _drawing(name: str, write: Callable[..., bytes]) -> Callable[[Design, Settings], dict[str, bytes]]:
+def _drawing(name: str, write: Callable[[Plan], bytes]) -> Callable[[Design, Settings], dict[str, bytes]]:
     def made(design: Design, settings: Settings) -> dict[str, bytes]:
-        options = {} if settings.paper is None else {"paper": settings.paper}
-        return {f"crease_pattern.{name}": write(plan_of(design, settings), **options)}
+        return {f"cut_pattern.{name}": write(plan_of(design, settings))}
 
     return made
 
 
+def _pages(design: Design, settings: Settings) -> dict[str, bytes]:
+    return {"cut_pattern.pdf": pdf(plan_of(design, settings), settings.paper or PAPER)}
+
+
+def pages_note(design: Design, settings: Settings) -> str | None:
+    """A sentence about pieces that a PDF cuts into parts, with the scale at which it does not; None where none is.
+
+    Raises:
+        InputError: settings that cannot be, or not together.
+    """
+    plan, paper = plan_of(design, replace(settings, dash=None, gap=None)), settings.paper or PAPER
+    cut = {page.placed[0].piece for page in laid_out(plan, paper) if not page.is_whole}
+    if not cut:
+        return None
+    constant = (settings.flaps or 0.0) + (2 * LARGEST if settings.layers else 0.0)
+    share = fitting_share(plan, paper, constant)
+    pieces = 1 + max(line.piece for line in plan.lines)
+    which = "the piece is" if pieces == 1 else f"{len(cut)} of {pieces} pieces are"
+    told = f"{which} larger than {paper}, and cut into parts"
+    if share <= 0:
+        return told
+    return f"{told}; with --scale {ratio_below(_scale(settings) * share)} each fits on a page"
+
+
 def _pieces(design: Design, settings: Settings) -> dict[str, bytes]:
-    return {"crease_pattern.fold": crease_fold(design, scale=_scale(settings))}
+    return {"cut_pattern.fold": crease_fold(design, scale=_scale(settings))}
 
 
 def plan_of(design: Design, settings: Settings) -> Plan:
@@ -139,7 +167,7 @@ _LINES = ("scale", "dash", "gap", "flaps", "layers")
 PATTERNS = {
     "svg": Format("crease pattern to cut", _LINES, _drawing("svg", svg)),
     "dxf": Format("crease pattern to cut", _LINES, _drawing("dxf", crease_dxf)),
-    "pdf": Format("crease pattern on pages at 1 : 1", (*_LINES, "paper"), _drawing("pdf", pdf)),
+    "pdf": Format("crease pattern on pages", (*_LINES, "paper"), _pages),
     "fold": Format("crease pattern in flat pieces", ("scale",), _pieces),
 }
 #: Of the ideal surface.

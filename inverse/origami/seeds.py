@@ -11,11 +11,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from inverse._types import FloatArray, IntArray
+from inverse._types import BoolArray, FloatArray, IntArray
 from inverse.crossing import crossing_facets
 from inverse.errors import InputError
 from inverse.extending.registry import Registry
 from inverse.origami.geometry import diagonal
+from inverse.origami.hybrids import crosses, lengths_without_crossing
 from inverse.origami.pattern import CFL, FL, Design, Pattern
 
 Word = str | Sequence[str]
@@ -160,9 +161,31 @@ def grid(
         if refusal is None:
             return Design(pattern, points.reshape(-1, 3), unit, name)
         refusals.append(refusal)
-    raise InputError(
-        f"the line types make the seed double back: {refusals[0]}",
-        hint="Use FL for all u lines with the CFL of v in adjacent pairs, or unequal strip lengths.",
+    raise _doubled(refusals[0], (u_is_fl, along_u), (v_is_fl, along_v))
+
+
+def _doubled(where: str, u: tuple[BoolArray, FloatArray], v: tuple[BoolArray, FloatArray]) -> InputError:
+    """What is said of a seed that doubles back, with strip lengths for which it does not, if there are any.
+
+    Args:
+        where: it does.
+        u: which lines along u are foldlines, and the lengths of the strips.
+        v: the same along v.
+    """
+    mixed = [(name, *one) for name, one in (("u", u), ("v", v)) if len(set(one[0].tolist())) > 1]
+    message = f"the line types make the seed double back: {where}"
+    if len(mixed) == 2:
+        return InputError(
+            f"{message}. Types that are mixed along u and along v do so for all strip lengths and angles",
+            hint="Give all u_lines or all v_lines one type; or bring a hybrid of both from a FOLD file, as kind: file.",
+        )
+    for name, is_fl, lengths in mixed:
+        types = np.where(is_fl, FL, CFL).tolist()
+        if crosses(types, lengths.tolist()):
+            return InputError(message, hint=f"It does not with lengths_{name}: {lengths_without_crossing(types)}")
+    return InputError(
+        f"the seed is too narrow or too flat for numbers in a file: {where}",
+        hint="Take a sector_angle and a fold_state that are farther from their limits.",
     )
 
 

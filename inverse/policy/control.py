@@ -57,6 +57,12 @@ class Control:
                 self.failure = error
         return not self.stopped
 
+    def phase(self, words: str) -> None:
+        """Tell the watch what is going on besides iterations, if it has a method of that name."""
+        told = getattr(self.watch, "phase", None)
+        if told is not None and not self.stopped:
+            told(words)
+
     def interruptible(self) -> AbstractContextManager[None]:
         """Let Ctrl-C and SIGTERM end the run at its next iteration instead of in the middle of one."""
         return interrupts.held(self.stop, self.ended)

@@ -244,6 +244,7 @@ class Policy:
             point = balanced(point if is_polished else polish(point))
         design = asked.goal.model.design(point.variables)
         polished = time.perf_counter()
+        self.control.phase("certifying")
         certificate = check_frame(fold_file.frame(design))
         self.seconds["polish"] += polished - began
         self.seconds["certify"] += time.perf_counter() - polished

@@ -48,7 +48,10 @@ def snapped(design: Design) -> Snapped:
         The moved design, also where it could not be made exact.
     """
     model = DesignModel(design)
-    problem = Problem(model.n_variables, [], constraints.hard_constraints(model, {}))
+    equations = constraints.hard_constraints(model, {})
+    if not equations:  # triangles without an interior vertex are exact as they are
+        return Snapped(design, 0.0, tuple(faults_of(design, design, 0.0)))
+    problem = Problem(model.n_variables, [], equations)
     point = Point(problem, model.seed_points.ravel(), problem.parameters())
     wanted = point.rows
     stages = max(1, int(np.ceil(np.abs(wanted).max(initial=0.0) / STAGE)))

@@ -17,12 +17,14 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import json
 import os
 import shutil
 from pathlib import Path
 from typing import Self
 
 from inverse.errors import InputError
+from inverse.words import printable
 
 WRITTEN = ("design.fold", "certificate.json", "report.json")
 PICTURED = ("design.png", "states.png", "crease_pattern.svg", "layers.svg")
@@ -117,6 +119,39 @@ def settle(folder: Path) -> None:
                 os.close(handle)
     except (InputError, OSError):
         pass  # a run is at it, or it may only be read
+
+
+def other_design(folder: Path, name: str) -> str | None:
+    """The name of the design whose results are in a folder, where it is another one; None if there is none.
+
+    Args:
+        folder: an output folder, there or not.
+        name: of the design that is to be written there.
+    """
+    for file, key in (("report.json", "name"), ("design.fold", "file_title")):
+        try:
+            found = json.loads((folder / file).read_text(encoding="utf-8"))[key]
+        except (OSError, ValueError, TypeError, KeyError):
+            continue
+        return str(found) if found != name else None
+    return None
+
+
+def check_same_design(folder: Path, name: str) -> None:
+    """Refuse an output folder in which another design would be replaced.
+
+    Args:
+        folder: an output folder, there or not.
+        name: of the design that is to be written there.
+
+    Raises:
+        InputError: it holds the results of a design with another name.
+    """
+    if (other := other_design(folder, name)) is not None:
+        raise InputError(
+            f"the folder holds another design, {printable(other)!r}, which {printable(name)!r} would replace",
+            where=str(folder), hint="Choose another -o, or remove what is there.",
+        )  # fmt: skip
 
 
 def unwritable(folder: Path, error: OSError) -> InputError:

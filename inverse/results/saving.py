@@ -7,6 +7,7 @@ import os
 import platform
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -80,13 +81,16 @@ def save(result: Result | Repair, folder: Path, *, pictures: bool = True) -> lis
         return write(result, results, pictures=pictures).notes
 
 
-def write(result: Result | Repair, results: Results, *, pictures: bool = True) -> Written:
+def write(
+    result: Result | Repair, results: Results, *, pictures: bool = True, phase: Callable[[str], None] | None = None
+) -> Written:
     """Write everything that a solve or a repair promises.
 
     Args:
         result: what was found.
         results: where.
         pictures: whether to draw.
+        phase: told what is being drawn.
 
     Raises:
         InputError: nothing could be written; what was there is still there.
@@ -114,12 +118,16 @@ def write(result: Result | Repair, results: Results, *, pictures: bool = True) -
         with interrupts.raised():
             # Who ended the solve is waiting for the end: 3D pictures take many seconds.
             hurried = isinstance(result, Result) and result.ending == "interrupted"
-            return Written([*asked, *_add_pictures(result, results, report, hurried=hurried)])
+            return Written(
+                [*asked, *_add_pictures(result, results, report, phase or (lambda words: None), hurried=hurried)]
+            )
     except KeyboardInterrupt:
         return interrupted
 
 
-def _add_pictures(result: Result | Repair, results: Results, report: dict[str, Any], *, hurried: bool) -> list[str]:
+def _add_pictures(
+    result: Result | Repair, results: Results, report: dict[str, Any], phase: Callable[[str], None], *, hurried: bool
+) -> list[str]:
     """Draw, and tell in the report how that went; what is there already does not depend on it."""
     began = time.perf_counter()
     try:
@@ -127,7 +135,7 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
         shown: dict[str, Any] = {}
         if isinstance(result, Result):
             shown = {"target": result.target, "context": result.context, "caption": result.caption}
-        notes = _draw(result.design, shown, new, hurried=hurried)
+        notes = _draw(result.design, shown, new, phase, hurried=hurried)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
         _write_json(new / "report.json", report | {"notes": [*report["notes"], *notes], "seconds": seconds})
         results.add()
@@ -136,18 +144,25 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
     return notes
 
 
-def _draw(design: Design, shown: dict[str, Any], folder: Path, *, hurried: bool) -> list[str]:
+def _draw(
+    design: Design, shown: dict[str, Any], folder: Path, phase: Callable[[str], None], *, hurried: bool
+) -> list[str]:
     """Draw a design, with what of its surroundings and verdicts is to be shown."""
+    phase("drawing crease_pattern.svg")
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
     if (design.pattern.edges_type == CFL).any():  # else the developed state has a single layer
+        phase("drawing layers.svg")
         pictures.layers_picture(design, folder / "layers.svg")
     if hurried:
         return ["Interrupted: the results have no 3D pictures."]
+    phase("looking for a way to draw in 3D")
     missing = pictures.can_render()
     if missing is not None:
         return [missing]
     try:
+        phase("drawing design.png")
         pictures.design_picture(design, folder / "design.png", **shown)
+        phase("drawing states.png")
         pictures.states_picture(design, folder / "states.png")
     except RuntimeError as error:  # the process that draws was killed or took too long
         return [f"No 3D pictures: {error}"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
@@ -85,6 +85,19 @@ class GridPattern(Model):
         return self
 
 
+def _listed(words: Iterable[object]) -> str:
+    *most, last = map(str, words)
+    return f"{', '.join(most)} or {last}" if most else last
+
+
+def _section_hint(around: int) -> str:
+    """What to write for a tube of so many facets around: a word if there is one, else steps."""
+    words = [name for name, steps in seeds.NAMED_SECTIONS.items() if len(steps) == around]
+    if words:
+        return f"Write section: {_listed(words)}."
+    return "Choose another number of facets around, or give the section as steps [n, a, length]."
+
+
 def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
@@ -145,9 +158,9 @@ class TubePattern(Model):
         around, along = self.size
         if self.section is None and around not in seeds.SECTIONS:
             raise refusal(
-                f"there is no built-in section of {_counted(around, 'step')}: built in are those of "
-                f"{', '.join(map(str, seeds.SECTIONS))}",
-                "Choose another number of facets around, or give the section as steps [n, a, length].",
+                f"a tube of {_counted(around, 'facet')} around needs a section: without one there are tubes of "
+                f"{_listed(seeds.SECTIONS)} around",
+                _section_hint(around),
                 key="size",
             )
         if len(self.steps) != around:

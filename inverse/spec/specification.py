@@ -250,6 +250,16 @@ class Specification(Model):
     solver: SolverKeys = Field(default=SolverKeys(), description="how the problem is solved")
 
     @model_validator(mode="after")
+    def _check_units(self) -> Self:
+        if self.context is not None and self.units not in ("m", "unit"):
+            raise refusal(
+                f"units is {self.units}, but the buildings of context are in metres",
+                "Write units: m, and all lengths in metres; or leave the context out.",
+                key="units",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _check_tube(self) -> Self:
         has_axis = isinstance(self.target, TubeKeys)
         if isinstance(self.pattern, TubePattern) and not has_axis:

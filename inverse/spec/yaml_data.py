@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -21,12 +22,14 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from inverse.errors import InputError
+from inverse.words import did_you_mean
 
 KeyPath = tuple[str | int, ...]
 Position = tuple[int, int]  # line and column, counted from 0
 Fail = Callable[[Position, str, str | None], InputError]
 
 MAX_DEPTH = 50
+MAX_COPIED = 100_000  # values that aliases stand for: a few short lines can stand for billions
 LINE_BREAK = re.compile("\r\n|\r|\n")
 # The plain scalars of YAML 1.2's core schema; everything else is text.
 _WORDS = dict.fromkeys(("", "~", "null", "Null", "NULL")) | {
@@ -55,7 +58,7 @@ def parse(text: str, fail: Fail, places: dict[KeyPath, Place]) -> Any:
         places: is filled with the places of all values, in the order of the text.
 
     Raises:
-        InputError: no valid YAML 1.2, a key given twice, an alias, a tag, a second document, or nested
+        InputError: no valid YAML 1.2, a key given twice, an alias of nothing, a tag, a second document, or nested
             too deeply.
     """
     try:
@@ -68,7 +71,7 @@ def parse(text: str, fail: Fail, places: dict[KeyPath, Place]) -> Any:
                     raise fail(_start(event), "a second document starts here: only one is allowed", None)
                 if event.version not in (None, (1, 2)):
                     raise fail(_start(event), "the file asks for an older YAML: it is read as YAML 1.2", None)
-                data = _build(next(events), events, (), None, fail, places)
+                data = _Builder(events, fail, places).value(next(events), (), None)
         return data
     except InputError:
         raise
@@ -84,41 +87,86 @@ def parse(text: str, fail: Fail, places: dict[KeyPath, Place]) -> Any:
         raise fail((0, 0), f"this is no valid YAML: {error}", None) from None
 
 
-def _build(
-    event: Event,
-    events: Iterator[Event],
-    path: KeyPath,
-    key: Position | None,
-    fail: Fail,
-    places: dict[KeyPath, Place],
-) -> Any:
-    """The value that starts with an event; reads its other events."""
-    here = _start(event)
-    places[path] = Place(key or here, here)
-    if isinstance(event, AliasEvent):
-        raise fail(here, f"the alias *{event.anchor} is not allowed", "Write the value out.")
-    if (tag := getattr(event, "tag", None)) is not None:
-        raise fail(here, f"the tag {tag} is not allowed", "Leave the tag out.")
-    if len(path) > MAX_DEPTH:
-        raise fail(here, f"this is nested more than {MAX_DEPTH} deep", None)
-    if isinstance(event, ScalarEvent):
-        return _scalar(event.value) if event.implicit[0] else event.value
-    if not isinstance(event, MappingStartEvent):
-        items: list[Any] = []
-        while not isinstance(event := next(events), SequenceEndEvent):
-            items.append(_build(event, events, (*path, len(items)), None, fail, places))
-        return items
-    data: dict[str, Any] = {}
-    while not isinstance(event := next(events), MappingEndEvent):
+@dataclass(eq=False)
+class _Builder:
+    """Makes values of events.
+
+    Attributes:
+        events: those to come.
+        fail: makes the exception for a fault.
+        places: of all values so far.
+        order: the keys of ``places`` as they came, which an alias copies a part of.
+        anchors: value of every anchor, and which part of ``order`` it covers; None inside of it.
+        copied: number of values that aliases stand for.
+    """
+
+    events: Iterator[Event]
+    fail: Fail
+    places: dict[KeyPath, Place]
+    order: list[KeyPath] = field(default_factory=list)
+    anchors: dict[str, tuple[Any, int, int] | None] = field(default_factory=dict)
+    copied: int = 0
+
+    def value(self, event: Event, path: KeyPath, key: Position | None) -> Any:
+        """The value that starts with an event; reads its other events."""
         here = _start(event)
-        if not isinstance(event, ScalarEvent) or event.tag is not None:
-            raise fail(here, "a key must be a word", None)
-        name = str(event.value)
-        if name in data:
-            first = places[(*path, name)].key or here
-            raise fail(here, f'"{name}" is given twice, first in line {first[0] + 1}', None)
-        data[name] = _build(next(events), events, (*path, name), here, fail, places)
-    return data
+        if isinstance(event, AliasEvent):
+            return self._copy(str(event.anchor), here, path, key)
+        if (tag := getattr(event, "tag", None)) is not None:
+            raise self.fail(here, f"the tag {tag} is not allowed", "Leave the tag out.")
+        first = len(self.order)
+        self._put(path, Place(key or here, here), here)
+        anchor = getattr(event, "anchor", None)
+        if anchor is not None:
+            self.anchors[anchor] = None
+        value = self._plain(event, path)
+        if anchor is not None:
+            self.anchors[anchor] = value, first, len(self.order)
+        return value
+
+    def _plain(self, event: Event, path: KeyPath) -> Any:
+        if isinstance(event, ScalarEvent):
+            return _scalar(event.value) if event.implicit[0] else event.value
+        if not isinstance(event, MappingStartEvent):
+            items: list[Any] = []
+            while not isinstance(event := next(self.events), SequenceEndEvent):
+                items.append(self.value(event, (*path, len(items)), None))
+            return items
+        data: dict[str, Any] = {}
+        while not isinstance(event := next(self.events), MappingEndEvent):
+            here = _start(event)
+            if not isinstance(event, ScalarEvent) or event.tag is not None:
+                raise self.fail(here, "a key must be a word", None)
+            name = str(event.value)
+            if name in data:
+                first = self.places[(*path, name)].key or here
+                raise self.fail(here, f'"{name}" is given twice, first in line {first[0] + 1}', None)
+            data[name] = self.value(next(self.events), (*path, name), here)
+        return data
+
+    def _copy(self, name: str, here: Position, path: KeyPath, key: Position | None) -> Any:
+        """The value that an alias stands for. What lies within keeps its place: that is where it is to be mended."""
+        if name not in self.anchors:
+            meant = did_you_mean(name, self.anchors)
+            message = f"the alias *{name} stands for nothing: no value before it is marked &{name}.{meant}"
+            raise self.fail(here, message, None)
+        if (found := self.anchors[name]) is None:
+            raise self.fail(here, f"the alias *{name} stands within the value that it stands for", None)
+        value, first, last = found
+        self.copied += last - first
+        if self.copied > MAX_COPIED:
+            raise self.fail(here, f"aliases stand for more than {MAX_COPIED} values", "Write shorter lists.")
+        top = self.order[first]
+        self._put(path, Place(key or here, here), here)
+        for one in self.order[first + 1 : last]:
+            self._put((*path, *one[len(top) :]), self.places[one], here)
+        return copy.deepcopy(value)
+
+    def _put(self, path: KeyPath, place: Place, here: Position) -> None:
+        if len(path) > MAX_DEPTH:
+            raise self.fail(here, f"this is nested more than {MAX_DEPTH} deep", None)
+        self.places[path] = place
+        self.order.append(path)
 
 
 def _start(event: Event) -> Position:

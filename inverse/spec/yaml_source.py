@@ -83,7 +83,7 @@ class Source:
         keys, _, value = text.partition("=")
         words = [word.strip() for word in keys.split(".")]
         if not all(words) or not value.strip():
-            example = "For example --set pattern.size=[16,24] or --set constraints.anchors.0.every=3."
+            example = "For example --set 'pattern.size=[16,24]' or --set constraints.anchors.0.every=3."
             raise fail((0, 0), "an override is a key path, an equals sign and a value", example)
         new = parse(value, fail, {})
         holder: Any = data
@@ -109,7 +109,7 @@ def read(path: Path) -> tuple[dict[str, Any], Source]:
 
     Raises:
         InputError: the file is missing or unreadable, no valid YAML, or no mapping; a key is given twice;
-            there are aliases or tags.
+            there are tags, or aliases of nothing.
     """
     text = read_text(path, MAX_BYTES)
     source = Source(str(path), text)

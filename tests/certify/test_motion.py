@@ -251,3 +251,12 @@ def test_ten_pairs_are_listed_where_a_range_ends():
     crossing = collisions._located(motion_of(document("miura")), 100.0, 100.005, pairs)
     assert crossing.t == 100.0
     assert crossing.facets == tuple(map(tuple, pairs[:10].tolist()))
+
+
+def test_states_are_told_as_they_are_looked_at(tmp_path) -> None:
+    """All of them where nothing crosses, one after the other."""
+    told: list[tuple[int, int]] = []
+    fold_file.write(designs.miura(), tmp_path / "sheet.fold")
+    quiet = certify.check(tmp_path / "sheet.fold")
+    assert certify.check(tmp_path / "sheet.fold", lambda done, of: told.append((done, of))) == quiet
+    assert told == [(k, 64) for k in range(1, 65)]

@@ -92,7 +92,7 @@ def test_a_folder_that_is_none_is_refused_with_nothing_written(design: Path, cap
 def test_crease_patterns_go_beside_the_design(name: str, design: Path, capsys: pytest.CaptureFixture[str]):
     words = [] if name == "fold" else ["--dash", "4", "--gap", "2", "--flaps", "5"]
     assert commands.run(["export", str(design), "--to", name, "--scale", "0.05", *words]) == 0
-    path = Path(f"mine/crease_pattern.{name}")
+    path = Path(f"mine/cut_pattern.{name}")
     first = path.read_bytes()
     assert str(path) in capsys.readouterr().out
     assert commands.run(["export", str(design), "--to", name, "--scale", "0.05", *words]) == 0

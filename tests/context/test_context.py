@@ -301,7 +301,7 @@ def degrees(city: dict[str, Any]) -> None:
     ("change", "says"),
     [
         (lambda city: city.update(version="1.0"), "version '1.0'"),
-        (lambda city: city.update(type="FeatureCollection"), '"type": "CityJSON"'),
+        (lambda city: city.update(type="CityJSONFeature"), '"type": "CityJSON"'),
         (lambda city: city.pop("transform"), "transform"),
         (lambda city: city.update(transform={"scale": [1, 1]}), "transform.scale must be three numbers"),
         (lambda city: city.pop("vertices"), "vertices"),
@@ -323,6 +323,36 @@ def test_faults_are_refused_in_words(tmp_path: Path, change: Callable[[dict[str,
 def test_what_is_not_city_json_is_refused(tmp_path: Path, text: str) -> None:
     with pytest.raises(InputError):
         read_city_json(written(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("beginning", "name"),
+    [
+        (b"ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_SCHEMA(('IFC4'));\n", "an IFC file"),
+        (b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\n", "a STEP file"),
+        (b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", "a DXF file"),
+        (b"999\nmade by hand\n0\nSECTION\n", "a DXF file"),
+        (b"AC1027\0\0\0\xff", "a DWG file"),
+        (b"# Blender\nmtllib a.mtl\no House\nv 0.0 1 -2\n", "an OBJ file"),
+        (b"solid house\nfacet normal 0 0 1\n", "an STL file"),
+        (b"ply\nformat ascii 1.0\n", "a PLY file"),
+        (b"OFF\n3 1 0\n", "an OFF file"),
+        (b"glTF\2\0\0\0\xff", "a GLB file"),
+        (b"PK\3\4\xff", "a ZIP archive"),
+        (b"3D Geometry File Format \xff", "a 3DM file"),
+        (b'<?xml version="1.0"?>\n<core:CityModel xmlns="x">', "a CityGML file"),
+        (b"<?xml version='1.0'?>\n<kml>", "an XML file"),
+        (b'{"type": "FeatureCollection", "features": []}', "a GeoJSON file"),
+        (b'{"asset": {"version": "2.0"}}', "a glTF file"),
+    ],
+)
+def test_other_formats_are_named(tmp_path: Path, beginning: bytes, name: str) -> None:
+    path = tmp_path / "site"
+    path.write_bytes(beginning)
+    with pytest.raises(
+        InputError, match=f"^site: this is {name}: buildings are read from CityJSON, version 1.1 or 2.0"
+    ):
+        read_city_json(path)
 
 
 def test_bytes_that_are_not_text_are_refused(tmp_path: Path) -> None:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import io
 import json
-import re
 from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
 import ezdxf
 import numpy as np
-import pypdf
 import pytest
 import shapely
 import svgelements
@@ -25,7 +23,6 @@ from inverse.fabricate.cut.crease_plan import crease_plan, layers_plan
 from inverse.fabricate.cut.dashes import perforated
 from inverse.fabricate.cut.dxf import crease_dxf
 from inverse.fabricate.cut.fold import crease_fold
-from inverse.fabricate.cut.pdf import BAR, EDGE, FOOT, PAPERS, pdf, tiles
 from inverse.fabricate.cut.pieces import pieces_of
 from inverse.fabricate.cut.plan import FOLDS, LAYERS, Line, Plan
 from inverse.fabricate.cut.svg import svg
@@ -390,88 +387,3 @@ def test_what_is_cut_is_not_perforated() -> None:
     for wrong in ((0.0, 1.0), (1.0, -1.0), (np.inf, 1.0)):
         with pytest.raises(InputError, match="more than 0 is needed"):
             perforated(plan, *wrong)
-
-
-# ---- pages
-
-
-def sheet(width: float, height: float) -> Plan:
-    corners = np.array([[10.0, 10], [width - 10, 10], [width - 10, height - 10], [10, height - 10]])
-    ends = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-    return Plan("sheet", (width, height), tuple(Line("cut", pair) for pair in ends))
-
-
-@pytest.mark.parametrize(
-    ("size", "paper", "count"),
-    [((150, 200), "A4", 1), ((200, 150), "A4", 1), ((400, 150), "A3", 1), ((370, 260), "A4", 2), ((900, 120), "A4", 4)],
-)
-def test_pages(size: tuple[float, float], paper: str, count: int) -> None:
-    content = pdf(sheet(*size), paper)
-    assert pdf(sheet(*size), paper) == content
-    pages = pypdf.PdfReader(io.BytesIO(content)).pages
-    assert len(pages) == count
-    low, high = PAPERS[paper]
-    for number, page in enumerate(pages, 1):
-        sides = sorted([float(page.mediabox.width) * POINT, float(page.mediabox.height) * POINT])
-        assert sides == pytest.approx([low, high], abs=0.01)
-        assert f"100 mm at 1 : 1.  sheet, tile {chr(64 + number)}1, page {number} of {count}" in page.extract_text()
-        bar = re.search(rb"([\d.]+) ([\d.]+) m ([\d.]+) \2 l S", page.get_contents().get_data().split(b".3 w")[1])
-        assert bar is not None
-        assert b"2.834646 0 0 2.834646 0 0 cm" in page.get_contents().get_data()
-        assert float(bar[1]) == pytest.approx(EDGE)
-        assert float(bar[3]) - float(bar[1]) == pytest.approx(BAR)
-
-
-@given(width=st.floats(60, 2500), height=st.floats(60, 2500), paper=st.sampled_from(sorted(PAPERS)))
-def test_tiles_show_all_lines_and_overlap(width: float, height: float, paper: str) -> None:
-    plan = sheet(width, height)
-    _, shown = tiles(plan, paper)
-    low = np.array([tile.corner for tile in shown])
-    high = low + [tile.size for tile in shown]
-    shares = np.linspace(0, 1, 41)[:, None]
-    for line in plan.lines:
-        points = line.ends[0] + shares * (line.ends[1] - line.ends[0])
-        inside = (points[:, None] >= low - 1e-9) & (points[:, None] <= high + 1e-9)
-        assert inside.all(axis=2).any(axis=1).all()
-    assert len({tile.name for tile in shown}) == len(shown)
-
-
-@pytest.mark.parametrize("paper", ["A4", "A2"])
-def test_every_page_shows_all_that_is_within_its_tile(paper: str) -> None:
-    plan = perforated(crease_plan(tube(6, 10), scale=0.2, flaps=6.0), 4.0, 2.0)
-    whole = shapely.linestrings([line.ends for line in plan.lines])
-    _, shown = tiles(plan, paper)
-    pages = pypdf.PdfReader(io.BytesIO(pdf(plan, paper))).pages
-    assert len(pages) == len(shown) > 1
-    seen: set[str] = set()
-    for page, tile in zip(pages, shown, strict=True):
-        drawn = page.get_contents().get_data().split(b" W* n")[1]
-        shift = re.search(rb"1 0 0 1 (-?[\d.]+) (-?[\d.]+) cm", drawn)
-        assert shift is not None
-        np.testing.assert_allclose([float(one) for one in shift.groups()], np.array([EDGE, EDGE + FOOT]) - tile.corner)
-        lines = re.findall(rb"(?<=n )(-?[\d.]+) (-?[\d.]+) m (-?[\d.]+) (-?[\d.]+) l S", drawn)
-        found = shapely.linestrings(np.array(lines, float).reshape(-1, 2, 2))
-        clip = shapely.box(*tile.corner, *(np.array(tile.corner) + tile.size))
-        within = [shapely.length(shapely.intersection(some, clip)).sum() for some in (found, whole)]
-        assert within[0] == pytest.approx(within[1], rel=1e-5)
-        assert len(lines) < len(plan.lines)
-        words = Counter(text.words for text in plan.texts if clip.contains(shapely.Point(text.place)))
-        assert not words - Counter(one.decode() for one in re.findall(rb"\(([\d.]+)\) Tj", drawn))
-        seen |= set(words)
-    assert seen == {text.words for text in plan.texts}
-
-
-def test_empty_tiles_are_left_out() -> None:
-    plan = sheet(1500, 1500)
-    _, shown = tiles(plan, "A4")
-    names = {tile.name for tile in shown}
-    assert "A1" in names
-    assert "D3" not in names
-
-
-def test_papers_and_pages_that_cannot_be() -> None:
-    with pytest.raises(InputError, match="'A9' is no paper: there are A0, A1") as refusal:
-        pdf(sheet(100, 100), "A9")
-    assert "Did you mean" in str(refusal.value)
-    with pytest.raises(InputError, match=r"needs \d+ pages of A4: at most 500"):
-        pdf(sheet(9000, 9000), "A4")

@@ -290,3 +290,11 @@ def test_the_report_tells_range_and_contacts():
     free = report_lines(panels(designs.miura(), Thickness(0.01)))
     assert free[1] == "no panels penetrate each other at 24 states of that range"
     assert len(free) == 4
+
+
+def test_a_report_tells_what_it_is_at() -> None:
+    told: list[tuple[str, int, int]] = []
+    report_lines(panels(designs.miura(), Thickness(0.01)), 6, lambda *words: told.append(words))
+    states = [(done, of) for words, done, of in told if words == "looking for panels that meet, states"]
+    assert states == [(k, 6) for k in range(6)]
+    assert any(words.startswith("looking for the first contact, at t = ") and not of for words, _, of in told)

@@ -495,3 +495,14 @@ def test_the_function_is_the_function() -> None:
     assert inverse.repair is repair
     assert inverse.Repair is Repair
     assert foldings.__module__ == "inverse.repair.assignments"
+
+
+@pytest.mark.parametrize(("more", "certified"), [("", True), ("v 2 0 0.1\nf 2 5 4\n", False)])
+def test_triangles_without_an_interior_vertex(tmp_path: Path, more: str, certified: bool) -> None:
+    """There is no equation that they could violate; of three the two folds move on their own."""
+    (tmp_path / "roof.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.2\nf 1 2 3\nf 2 4 3\n" + more)
+    result = inverse.repair(tmp_path / "roof.obj")
+    assert result.converged
+    assert result.certified == certified
+    assert result.report["moved"]["max"] == 0
+    assert certified or "2 independent motions" in result.status

@@ -272,12 +272,39 @@ def test_an_interrupted_run_does_not_replace_a_certified_design_by_less(
     put(replace(runs["one"], converged=converged), out)
     result = interrupted(runs["two"], certified=certified, iterations=iterations)
     monkeypatch.setattr(inverse, "solve", lambda *_, **__: result)
-    assert commands.run(["solve", str(specifications["two"]), "-o", str(out)]) == 3
+    assert commands.run(["solve", str(specifications["two"]), "-o", str(out), "--set", "name=one"]) == 3
     assert set(owners(out, runs).values()) == {"one" if keeps else "two"}
     assert other.exists() == keeps
     if keeps:
         assert set(owners(other, runs).values()) == {"two"}
         assert f"{out} keeps its certified design; that of this run goes to {other}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("left", [NAMES, ("design.fold",), ("report.json",)])
+def test_another_design_is_not_replaced(
+    left: tuple[str, ...], specifications: dict[str, Path], runs: dict[str, Run], tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """Known by its name; the same one is replaced, and what the hint says works."""
+    put(runs["one"], tmp_path / "out")
+    for name in set(NAMES) - set(left):
+        (tmp_path / "out" / name).unlink(missing_ok=True)
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert commands.run(["solve", str(specifications["two"]), "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "another design, 'one', which 'two' would replace" in said
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+    assert commands.run(["solve", str(specifications["one"]), "-o", str(tmp_path / "out")]) == 0
+    assert commands.run(["solve", str(specifications["two"]), "-o", str(tmp_path / "other")]) == 0
+
+
+def test_what_is_being_drawn_is_told(runs: dict[str, Run], tmp_path: Path) -> None:
+    told: list[str] = []
+    with Results(tmp_path) as into:
+        saving.write(runs["one"], into, phase=told.append)
+    assert [words for words in told if words.startswith("drawing ")] == [
+        f"drawing {name}" for name in ("crease_pattern.svg", "design.png", "states.png")
+    ]
 
 
 WRITER = """\

@@ -276,3 +276,16 @@ def test_any_text_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, t
     else:
         return
     assert where.startswith((str(path), "--set "))
+
+
+def test_buildings_are_in_metres(tmp_path: Path) -> None:
+    path = tmp_path / "hall.yaml"
+    path.write_text(
+        "name: hall\npattern: {size: [4, 4]}\ncontext: {file: site.city.json}\n"
+        "target: {height: '1 - x^2', domain: [[-1, 1], [-1, 1]]}\n"
+    )
+    with pytest.raises(InputError, match="units is mm, but the buildings of context are in metres") as caught:
+        load(path, ["units=mm"])
+    assert caught.value.where == "--set units=mm"
+    for unit in ("m", "unit"):
+        load(path, [f"units={unit}"])

@@ -49,7 +49,8 @@ TARGET = f"{AXIS}\n  {RADIUS}"
         (SECTION, "section: [[1, |2, 1], [1, -1, 1], [-1, -1, 2], [-1, 1, 1]]", "2 is no sign: allowed are 1, -1."),
         (SECTION, "|lengths_v: [1, 2]", "lengths_v has 2 lengths, but the tube has 3 rows"),
         (SECTION, "turn: |left", 'pattern.turn is "left": it must be a number'),
-        ("size: [4, 3]\n  " + SECTION, "size: |[5, 3]", "there is no built-in section of 5 steps"),
+        ("size: [4, 3]\n  " + SECTION, "size: |[5, 3]", "a tube of 5 facets around needs a section: "),
+        ("size: [4, 3]\n  " + SECTION, "size: |[12, 3]", "a tube of 12 facets around needs a section: "),
         (TARGET, AXIS, 'a target around an axis needs exactly one of radius, mesh, implicit; given none of them'),
         (AXIS, "axis: |{}", "an axis needs exactly one of polyline, spline, arc; given none of them"),
         (AXIS, "axis: {arc: |[[0, 0, 0], [0, 0, 3]]}", "[[0, 0, 0], [0, 0, 3]] should be a list of 3: [start, on the"),
@@ -180,3 +181,15 @@ def test_degrees_of_freedom_of_generic_tubes(k: int, rows: int) -> None:
     rank = int((sizes > 1e-9 * sizes[0]).sum())
     assert problem.n_variables - rank == 3 * rows + 7 * k // 2
     assert result.design.pattern.degrees_of_freedom == 3 * rows + 7 * k // 2
+
+
+@pytest.mark.parametrize(("around", "word"), [(12, "plus"), (5, None)])
+def test_a_missing_section_is_named(around: int, word: str | None) -> None:
+    """What the hint says works."""
+    pattern: dict[str, Any] = {"kind": "tube", "size": [around, 4]}
+    task = {"name": "x", "pattern": pattern, "target": {"axis": {"polyline": [[0, 0, 0], [0, 0, 6]]}, "radius": 1}}
+    with pytest.raises(InputError) as caught:
+        load(task)
+    assert (caught.value.hint == f"Write section: {word}.") == (word is not None)
+    if word is not None:
+        load(task | {"pattern": pattern | {"section": word}})

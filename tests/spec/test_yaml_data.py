@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from inverse.errors import InputError
-from inverse.spec.yaml_data import MAX_DEPTH
+from inverse.spec.yaml_data import MAX_COPIED, MAX_DEPTH
 from inverse.spec.yaml_source import MAX_BYTES, read
 
 
@@ -120,7 +120,18 @@ def test_every_value_is_found_where_it_stands(
             ":1:11",
             '"b" is given twice, first in line 1\n  a: {b: 1, b: 2}\n            ^',
         ),
-        ("a: &x [1]\nb: *x\n", ":2:4", "the alias *x is not allowed"),
+        ("b: *x\na: &x [1]\n", ":1:4", "the alias *x stands for nothing: no value before it is marked &x"),
+        ("a: &x [1, *x]\n", ":1:11", "the alias *x stands within the value that it stands for"),
+        (
+            "a: &a0 [0]\n" + "".join(f"b{k}: &a{k + 1} [*a{k}, *a{k}, *a{k}]\n" for k in range(20)),
+            ":11:11",
+            f"aliases stand for more than {MAX_COPIED} values",
+        ),
+        (
+            "a: &x " + "[" * 30 + "]" * 30 + "\nb: " + "[" * 30 + "*x" + "]" * 30 + "\n",
+            ":2:34",
+            f"this is nested more than {MAX_DEPTH} deep",
+        ),
         ("a: &x 1\n*x : 2\n", ":2:1", "a key must be a word"),
         ("a: !!python/object:os.system 1\n", ":1:4", "the tag tag:yaml.org,2002:python/object:os.system"),
         ("a: !mine {b: 1}\n", ":1:4", "the tag !mine is not allowed"),
@@ -152,3 +163,27 @@ def test_refusals(tmp_path: Path, content: str | bytes, where: str, message: str
     error = caught.value
     assert error.where == f"{path}{where}"
     assert error.message.startswith(message)
+
+
+ALIASED = """\
+target:
+  between: [&west [[0, 0, 3], [0, 9, 3]], &east [[5, 0, 3], [5, 9, 4]]]
+anchors:
+  - {side: u0, to: {polyline: *west}}
+  - {side: u1, to: {polyline: *east}}
+"""
+
+
+def test_an_alias_is_the_value_again(tmp_path: Path) -> None:
+    path = tmp_path / "aliased.yaml"
+    path.write_text(ALIASED)
+    data, source = read(path)
+    west, east = data["target"]["between"]
+    assert [anchor["to"]["polyline"] for anchor in data["anchors"]] == [west, east]
+    # The alias is where a wrong kind of value is to be mended, what is marked where a number in it is.
+    assert source.error(("anchors", 0, "to", "polyline"), "no").where == f"{path}:4:31"
+    assert source.error(("anchors", 1, "to", "polyline", 1, 2), "no").where == f"{path}:2:68"
+    # One that is changed leaves the other as it is.
+    source.override(data, "anchors.0.to.polyline.0.2=7")
+    assert data["anchors"][0]["to"]["polyline"][0] == [0, 0, 7]
+    assert data["target"]["between"][0][0] == [0, 0, 3]

@@ -188,7 +188,7 @@ def test_later_overrides_win_and_can_go_into_earlier_ones(file: Path) -> None:
         ("constraints.anchors.-1.every=3", 'constraints.anchors is a list with entries 0 to 1, given "-1"'),
         ("pattern.size.m=3", 'pattern.size is a list with entries 0 to 1, given "m"'),
         ("pattern.size=[1", "this is no valid YAML"),
-        ("pattern.size=*x", "the alias *x is not allowed"),
+        ("pattern.size=*x", "the alias *x stands for nothing"),
         ("name=\x07", "the character U+0007 is not allowed"),
     ],
 )

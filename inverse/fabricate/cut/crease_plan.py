@@ -13,6 +13,7 @@ from inverse.fabricate.cut.flaps import Flap, flaps_along
 from inverse.fabricate.cut.labels import LARGEST, labels_along, words_of
 from inverse.fabricate.cut.pieces import Piece, edges_of, pieces_of, to_scale
 from inverse.fabricate.cut.plan import Line, Plan, Text
+from inverse.fabricate.units import scale_in_words
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
 from inverse.pictures.colours import EDGE_COLOURS, edge_kinds
@@ -53,6 +54,7 @@ def crease_plan(design: Design, *, scale: float = 1.0, flaps: float = 0.0) -> Pl
     own = edges_of(design.pattern, pieces)
     return _in_shelves(
         design.name,
+        scale_in_words(scale, design.unit),
         [
             _drawn(design, piece, own[k], kinds, numbers, [flap for flap in glued if flap.piece == k])
             for k, piece in enumerate(pieces)
@@ -81,12 +83,14 @@ def layers_plan(design: Design, *, scale: float = 1.0, apart: bool = True) -> Pl
     for k, layer in enumerate(layers):
         shift = np.array([MARGIN + k * apart * (width + MARGIN), MARGIN + LARGEST]) - low
         for edge in layer.edges.tolist():
-            lines.append(Line(kinds[edge], layer.place_of(design.pattern.edges_vertices[edge]) + shift, edge))
+            ends = layer.place_of(design.pattern.edges_vertices[edge]) + shift
+            lines.append(Line(kinds[edge], ends, edge, k * apart))
         if apart:
             place = low + shift + [width / 2, -LARGEST / 2 - 1]
-            texts.append(Text("label", place, 0.0, LARGEST * 0.8, f"layer {k + 1} of {len(layers)}"))
+            texts.append(Text("label", place, 0.0, LARGEST * 0.8, f"layer {k + 1} of {len(layers)}", k))
     size = (MARGIN + (len(layers) if apart else 1) * (width + MARGIN), height + 2 * MARGIN + LARGEST)
-    return Plan(design.name, (float(size[0]), float(size[1])), tuple(lines), tuple(texts))
+    words = scale_in_words(scale, design.unit)
+    return Plan(design.name, (float(size[0]), float(size[1])), tuple(lines), tuple(texts), words)
 
 
 def seams(design: Design, pieces: list[Piece]) -> dict[int, int]:
@@ -126,7 +130,7 @@ def _drawn(
     return _Drawn(lines, [text for texts in written for text in texts])
 
 
-def _in_shelves(title: str, drawn: list[_Drawn]) -> Plan:
+def _in_shelves(title: str, scale: str, drawn: list[_Drawn]) -> Plan:
     """Pieces side by side in rows about as wide as all are high."""
     points = [np.concatenate([line.ends for line in one.lines]) for one in drawn]
     low = [cloud.min(axis=0) for cloud in points]
@@ -135,12 +139,12 @@ def _in_shelves(title: str, drawn: list[_Drawn]) -> Plan:
     lines: list[Line] = []
     texts: list[Text] = []
     x, y, row, widest = 0.0, 0.0, 0.0, 0.0
-    for one, corner, size in zip(drawn, low, sizes, strict=True):
+    for k, (one, corner, size) in enumerate(zip(drawn, low, sizes, strict=True)):
         if x > 0 and x + size[0] > limit:
             x, y, row = 0.0, y + row, 0.0
         shift = np.array([x, y]) + MARGIN - corner
-        lines += [replace(line, ends=line.ends + shift) for line in one.lines]
-        texts += [replace(text, place=text.place + shift) for text in one.texts]
+        lines += [replace(line, ends=line.ends + shift, piece=k) for line in one.lines]
+        texts += [replace(text, place=text.place + shift, piece=k) for text in one.texts]
         x, row = x + float(size[0]), max(row, float(size[1]))
         widest = max(widest, x)
-    return Plan(title, (widest + MARGIN, y + row + MARGIN), tuple(lines), tuple(texts))
+    return Plan(title, (widest + MARGIN, y + row + MARGIN), tuple(lines), tuple(texts), scale)

@@ -16,11 +16,13 @@ class Line:
         layer: name of the layer; see :data:`LAYERS`.
         ends: (2, 2) in mm.
         edge: number of the edge in the design that it is, -1 for what is no edge.
+        piece: number of the piece, or of the layer beside others, that it belongs to.
     """
 
     layer: str
     ends: FloatArray
     edge: int = -1
+    piece: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +35,7 @@ class Text:
         angle: of its baseline, radians counter-clockwise from x.
         height: of its capitals in mm.
         words: what is written.
+        piece: as of a line.
     """
 
     layer: str
@@ -40,6 +43,7 @@ class Text:
     angle: float
     height: float
     words: str
+    piece: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +55,14 @@ class Plan:
         size: (width, height) in mm.
         lines: all lines.
         texts: all words.
+        scale: of the model in words, such as "1:50, 1 m = 20 mm".
     """
 
     title: str
     size: tuple[float, float]
     lines: tuple[Line, ...]
     texts: tuple[Text, ...] = field(default=())
+    scale: str = ""
 
 
 # Layers and their colours as #rrggbb: the four kinds of foldlines as in pictures; border and seams are cut; flaps are

@@ -50,7 +50,9 @@ def penetrations(panels: Panels, t: FloatArray) -> list[list[Contact]]:
     return found
 
 
-def first_contacts(panels: Panels, states: int = 24) -> tuple[Contact | None, Contact | None]:
+def first_contacts(
+    panels: Panels, states: int = 24, progress: Callable[[float], None] | None = None
+) -> tuple[Contact | None, Contact | None]:
     """The first contact on the way to the developed and on the way to the flat-folded state, None without one.
 
     States are sampled from the middle of the range outwards, its limits included, then beyond them to the flat
@@ -59,9 +61,12 @@ def first_contacts(panels: Panels, states: int = 24) -> tuple[Contact | None, Co
     Args:
         panels: the thick structure.
         states: sampled over the range.
+        progress: told every state, in radians, before it is looked at.
     """
 
     def worst(t: float) -> Contact | None:
+        if progress is not None:
+            progress(t)
         return max(penetrations(panels, np.array([t]))[0], key=lambda contact: contact.volume, default=None)
 
     low, high = panels.range.low, panels.range.high
