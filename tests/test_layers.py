@@ -89,6 +89,7 @@ ARROWS: dict[str, set[str]] = {
     "fabricate/formats": GROUND
     | {"origami", "fabricate/cut", "fabricate/panels", "fabricate/meshes", "fabricate/rhino", "fabricate/film"},
     "fabricate/__init__": set(),
+    "boards": GROUND | {"origami", "pictures", "fabricate/units", "fabricate/extras", "fabricate/film"},
     "cli": GROUND
     | {
         "origami",
@@ -101,6 +102,7 @@ ARROWS: dict[str, set[str]] = {
         "fabricate/panels",
         "fabricate/film",
         "fabricate/formats",
+        "boards",
     },
     "__main__": GROUND | {"cli"},
     "__init__": GROUND
@@ -136,7 +138,7 @@ LIBRARIES = {
     "imageio_ffmpeg": {"fabricate/film"},
     "pygltflib": {"fabricate/film"},
     "ezdxf": {"fabricate/dxf_file", "fabricate/cut", "fabricate/panels"},
-    "reportlab": {"fabricate/cut"},
+    "reportlab": {"fabricate/cut", "boards"},
 }
 
 FILES = sorted(PACKAGE.rglob("*.py"))
