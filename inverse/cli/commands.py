@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter
 
 from inverse import interrupts
+from inverse.cli.draw import draw
 from inverse.cli.export import export
 from inverse.cli.fold import fold
 from inverse.cli.terminal import ProgressLine
@@ -173,6 +174,7 @@ def repair(
 
 app.command(fold)
 app.command(export)
+app.command(draw)
 
 
 @app.command
