@@ -112,6 +112,7 @@ ARROWS: dict[str, set[str]] = {
         "fabricate/film",
     },
     "fabricate/__init__": set(),
+    "boards": GROUND | {"origami", "pictures", "fabricate/units", "fabricate/extras", "fabricate/film"},
     "cli": GROUND
     | {
         "origami",
@@ -127,6 +128,7 @@ ARROWS: dict[str, set[str]] = {
         "fabricate/panels",
         "fabricate/film",
         "fabricate/formats",
+        "boards",
     },
     "__main__": GROUND | {"cli"},
     "__init__": GROUND
@@ -162,7 +164,7 @@ LIBRARIES = {
     "imageio_ffmpeg": {"fabricate/film"},
     "pygltflib": {"fabricate/film"},
     "ezdxf": {"fabricate/dxf_file", "fabricate/cut", "fabricate/panels"},
-    "reportlab": {"fabricate/cut"},
+    "reportlab": {"fabricate/cut", "boards"},
 }
 
 FILES = sorted(PACKAGE.rglob("*.py"))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from inverse import interrupts
+from inverse.cli.draw import draw
 from inverse.cli.export import export
 from inverse.cli.fold import fold
 from inverse.cli.output import made_before, told
@@ -201,6 +202,7 @@ def repair(
 
 app.command(fold)
 app.command(export)
+app.command(draw)
 
 
 @app.command
