@@ -16,12 +16,14 @@ from inverse.files import fold_file
 from inverse.formulation import anchors, own_terms, placement
 from inverse.formulation.anchors import PolylineAnchor
 from inverse.formulation.calls import called
+from inverse.formulation.outline import Outline
 from inverse.formulation.given import NOTHING, Given
+from inverse.formulation.sizes import check_sizes
 from inverse.formulation.within import within
 from inverse.limits import check_coordinates, check_extent
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint, Objective
-from inverse.origami import seeds
+from inverse.origami import geometry, seeds
 from inverse.origami.families import PATTERN_FAMILIES
 from inverse.origami.pattern import Design
 from inverse.spec import (
@@ -31,6 +33,7 @@ from inverse.spec import (
     GridPattern,
     HeightKeys,
     Loaded,
+    MeshKeys,
     SurfaceKeys,
     TubeKeys,
     TubePattern,
@@ -102,6 +105,7 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
             "Give a pattern of kind tube, or a file of one with bdffpq:grid.",
         )  # fmt: skip
     model = DesignModel(seed)
+    _check_target(loaded, seed, target, given)
     surface = target if share == 1 else target.flattened(share)
     goal = Goal(_fitting(loaded, model, surface), _packed(loaded, model), origin)
     goal, terms = own_terms.minimized(loaded, goal, given)
@@ -119,6 +123,20 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
     own = own_terms.constrained(loaded, goal, given)
     fixed = [*fixed, *loops, *anchored, *_keep_outs(loaded, model, origin), *packed, *own]
     return Formulation(goal, terms, fixed, sliding, free_range, given)
+
+
+def _check_target(loaded: Loaded, seed: Design, target: Target, given: Given) -> None:
+    """Refuse targets that the placed seed cannot become, before anything is solved."""
+    from inverse.surfaces.mesh import MeshTarget
+
+    if isinstance(target, MeshTarget) and seed.pattern.n_holes == 0:
+        from inverse.surfaces.sheet import check_sheet
+
+        facet = float(geometry.edge_lengths(seed.pattern, seed.vertices_coords).mean())
+        key = ("target", "mesh") if isinstance(loaded.specification.target, MeshKeys) else ("target",)
+        within(loaded, key if given.target is None else None, lambda: check_sheet(target, facet))
+    if given.target is None or given.design is None:
+        check_sizes(loaded, seed, target)
 
 
 def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
@@ -284,6 +302,12 @@ def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, mad
 
     assert isinstance(pattern, GridPattern)  # all others are made by now
 
+    outline = None if pattern.trim == "none" else Outline.of(target, always=pattern.trim == "outline")
+    frame = target.frame if outline is None else outline.frame
+    lengths: placement.Lengths = pattern.lengths_u, pattern.lengths_v
+    if outline is not None and lengths == (None, None):
+        lengths = outline.strips(pattern.size, pattern.turn)
+
     def make(lengths_u: FloatArray, lengths_v: FloatArray) -> Design:
         return seeds.grid(
             pattern.size, pattern.u_lines, pattern.v_lines,
@@ -291,10 +315,10 @@ def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, mad
             lengths_u=lengths_u, lengths_v=lengths_v, unit=unit, name=name,
         )  # fmt: skip
 
-    return placement.place_grid(
-        make, pattern.size, target.frame,
-        lengths=(pattern.lengths_u, pattern.lengths_v), turn=pattern.turn, start_size=pattern.start_size,
-    )  # fmt: skip
+    seed = placement.place_grid(
+        make, pattern.size, frame, lengths=lengths, turn=pattern.turn, start_size=pattern.start_size
+    )
+    return seed if outline is None else outline.trim(seed)
 
 
 def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:

@@ -1,0 +1,170 @@
+"""What a sheet cannot follow of a mesh: closed surfaces, several parts, holes, facets that branch off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from inverse._types import FloatArray, IntArray
+from inverse.errors import InputError
+from inverse.surfaces.mesh import MeshTarget
+
+NEAR = 0.5  # facets: parts nearer to each other than this are bridged without a trace
+SEAM = 2.0  # facets: two parts belong together if they run beside each other for as long as this
+HOLE = 0.5  # facets: radius of the circle with the area of the largest hole that is bridged without a trace
+
+
+@dataclass(frozen=True, eq=False)
+class Borders:
+    """Parts of a mesh and the lines where they end.
+
+    Attributes:
+        part: (T,) int, part that each triangle belongs to: its triangles share edges.
+        edges: (B, 2) int, edges of one triangle, in its direction.
+        edges_part: (B,) int, their parts.
+        loop: (B,) int, the closed line that each of them belongs to.
+    """
+
+    part: IntArray
+    edges: IntArray
+    edges_part: IntArray
+    loop: IntArray
+
+
+def check_sheet(mesh: MeshTarget, facet: float) -> None:
+    """Refuse what no sheet of facets of about this size can follow.
+
+    Args:
+        mesh: the target.
+        facet: mean edge length of the seed, in the mesh's unit.
+
+    Raises:
+        InputError: more than two facets meet at an edge, the mesh is closed, has several parts, or a hole.
+    """
+    vertices, triangles = mesh.triangles()
+    _check_branches(vertices, triangles)
+    borders = borders_of(triangles)
+    if not len(borders.edges):
+        raise InputError(
+            "the target mesh is closed: it has no border, as a sheet has one",
+            hint="Delete facets of it until it has one border (those that the structure stands on, say), or go around "
+            "it with a pattern of kind tube and target: {axis: ..., mesh: ...}.",
+        )
+    _check_parts(mesh, borders, facet)
+    _check_holes(vertices, borders, facet)
+
+
+def borders_of(triangles: IntArray) -> Borders:
+    """Parts and borders of triangles (T, 3)."""
+    directed = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    owner = np.repeat(np.arange(len(triangles)), 3)
+    edges, number, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
+    number = number.ravel()
+    part = connected(owner, number + len(triangles), len(triangles) + len(edges))[: len(triangles)]
+    part = np.unique(part, return_inverse=True)[1].ravel()
+    rim = count[number] == 1
+    border, border_part = directed[rim], part[owner[rim]]
+    loop = connected(border[:, 0], border[:, 1], int(triangles.max()) + 1)
+    names = np.unique(loop[border[:, 0]], return_inverse=True)[1].ravel()
+    return Borders(part, border, border_part, names)
+
+
+def connected(one: IntArray, other: IntArray, count: int) -> IntArray:
+    """Number of the part (count,) that each of some things belongs to, pairs of which are joined."""
+    joined = coo_array((np.ones(len(one), bool), (one, other)), shape=(count, count))
+    return np.asarray(connected_components(joined, directed=False)[1], np.int64)
+
+
+def _check_branches(vertices: FloatArray, triangles: IntArray) -> None:
+    edges, count = np.unique(
+        np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True
+    )
+    many = np.flatnonzero(count > 2)
+    if len(many):
+        first = edges[many[np.argmax(count[many])]]
+        a, b = (place(vertices[k]) for k in first)
+        raise InputError(
+            f"{count[many].max()} facets of the target mesh meet at the edge from {a} to {b}, one of {len(many)} edges "
+            "with more than two: a sheet does not branch",
+            hint="Delete the facets that stand off the surface, or are there twice.",
+        )
+
+
+def _check_parts(mesh: MeshTarget, borders: Borders, facet: float) -> None:
+    """Parts that no seam of some length joins."""
+    count = int(borders.part.max()) + 1
+    if count == 1:
+        return
+    vertices, triangles = mesh.triangles()
+    meshes = [MeshTarget(vertices, triangles[borders.part == k]) for k in range(count)]
+    gaps = np.full((count, count), np.inf)
+    ones, others = [], []
+    for k in range(count):
+        a, b = vertices[borders.edges[borders.edges_part == k]].transpose(1, 0, 2)
+        if not len(a):
+            continue  # closed: it is joined to nothing
+        lengths = np.linalg.norm(b - a, axis=1)
+        for other in range(count):
+            if other == k:
+                continue
+            distances = meshes[other].distances((a + b) / 2)
+            ends = meshes[other].distances(a)
+            gaps[k, other] = float(min(distances.min(), ends.min()))
+            # Not the ends alone: a seam is as near all along.
+            if lengths[(distances < NEAR * facet) & (ends < NEAR * facet)].sum() > SEAM * facet:
+                ones.append(k)
+                others.append(other)
+    group = connected(np.array(ones, np.int64), np.array(others, np.int64), count)
+    number = int(group.max()) + 1
+    if number == 1:
+        return
+    _, areas = mesh.samples()
+    shares = np.bincount(group[borders.part], areas) / areas.sum()
+    apart = np.where(group[:, None] != group, np.minimum(gaps, gaps.T), np.inf)
+    nearest = float(apart.min())
+    told = f"{nearest:.3g} apart" if nearest > 1e-9 * facet else "that only touch"
+    if not np.isfinite(nearest):
+        told = "one of them closed"
+    raise InputError(
+        f"the target mesh has {number} parts {told}, of {_listed(100 * np.sort(shares)[::-1])} % of its area: a sheet "
+        "has one",
+        hint="Keep one part in the file and design the others by themselves, or join them in the mesh by a surface "
+        f"at least {SEAM * facet:.2g} wide.",
+    )
+
+
+def _check_holes(vertices: FloatArray, borders: Borders, facet: float) -> None:
+    """Borders but the outer one of every part."""
+    size, areas = [], []
+    for loop in range(int(borders.loop.max()) + 1):
+        a, b = vertices[borders.edges[borders.loop == loop]].transpose(1, 0, 2)
+        # The vector area of the loop, whose edges have all the same direction.
+        areas.append(float(np.linalg.norm(np.cross(a - a.mean(axis=0), b - a.mean(axis=0)).sum(axis=0) / 2)))
+        size.append(float(np.linalg.norm(np.ptp(np.concatenate([a, b]), axis=0))))
+    for part in range(int(borders.part.max()) + 1):
+        own = np.unique(borders.loop[borders.edges_part == part])
+        outer = max(own, key=lambda loop: size[loop], default=-1)
+        holes = [loop for loop in own if loop != outer and areas[loop] > np.pi * (HOLE * facet) ** 2]
+        if holes:
+            largest = max(holes, key=lambda loop: areas[loop])
+            middle = vertices[borders.edges[borders.loop == largest]].reshape(-1, 3).mean(axis=0)
+            many = "a hole" if len(holes) == 1 else f"{len(holes)} holes, the largest"
+            raise InputError(
+                f"the target mesh has {many} around {place(middle)}, of {areas[largest]:.3g} square units: a grid has "
+                "none",
+                hint="Fill it in the mesh, cut the mesh from the hole to its rim, or, where it is a tube, go around it "
+                "with a pattern of kind tube and target: {axis: ..., mesh: ...}.",
+            )
+
+
+def place(point: FloatArray) -> str:
+    """A point (3,) as messages name it."""
+    return "(" + ", ".join(f"{k:.4g}" for k in point) + ")"
+
+
+def _listed(numbers: FloatArray) -> str:
+    shown = [f"{k:.3g}" for k in numbers[:4]]
+    return ", ".join(shown) + (", ..." if len(numbers) > 4 else "")
