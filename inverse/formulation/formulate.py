@@ -12,31 +12,21 @@ from inverse import constraints as hard
 from inverse import cylinder_loop
 from inverse._types import FloatArray
 from inverse.errors import InputError
-from inverse.files import fold_file
-from inverse.formulation import anchors, own_terms, placement
+from inverse.formulation import anchors, own_terms, seeding
 from inverse.formulation.anchors import PolylineAnchor
 from inverse.formulation.calls import called
-from inverse.formulation.outline import Outline
 from inverse.formulation.given import NOTHING, Given
 from inverse.formulation.sizes import check_sizes
 from inverse.formulation.within import within
 from inverse.limits import check_coordinates, check_extent
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint, Objective
-from inverse.origami import geometry, seeds
-from inverse.origami.families import PATTERN_FAMILIES
-from inverse.origami.pattern import Design
 from inverse.spec import (
     BetweenKeys,
-    FamilyPattern,
-    FilePattern,
-    GridPattern,
     HeightKeys,
     Loaded,
-    MeshKeys,
     SurfaceKeys,
     TubeKeys,
-    TubePattern,
 )
 from inverse.spec.footprint import FootprintLimits, State, radians
 from inverse.surfaces import Target
@@ -97,15 +87,16 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
     origin = NOWHERE if isinstance(given.target, TubeTarget) else _origin(target)
     if origin.any():
         target = build_target(loaded, origin, given)
-    made = _made(loaded, given)
-    seed = within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin, made))
+    made = seeding.made(loaded, given)
+    target, outline = seeding.outlined(loaded, target, given, made)
+    model = within(loaded, ("pattern",), lambda: seeding.build(loaded, target, outline, origin, made))
+    seed = model.seed
     if isinstance(target, TubeTarget) and not (is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
         raise loaded.source.error(
             ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
             "Give a pattern of kind tube, or a file of one with bdffpq:grid.",
         )  # fmt: skip
-    model = DesignModel(seed)
-    _check_target(loaded, seed, target, given)
+    check_sizes(loaded, seed, target)
     surface = target if share == 1 else target.flattened(share)
     goal = Goal(_fitting(loaded, model, surface), _packed(loaded, model), origin)
     goal, terms = own_terms.minimized(loaded, goal, given)
@@ -125,20 +116,6 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
     return Formulation(goal, terms, fixed, sliding, free_range, given)
 
 
-def _check_target(loaded: Loaded, seed: Design, target: Target, given: Given) -> None:
-    """Refuse targets that the placed seed cannot become, before anything is solved."""
-    from inverse.surfaces.mesh import MeshTarget
-
-    if isinstance(target, MeshTarget) and seed.pattern.n_holes == 0:
-        from inverse.surfaces.sheet import check_sheet
-
-        facet = float(geometry.edge_lengths(seed.pattern, seed.vertices_coords).mean())
-        key = ("target", "mesh") if isinstance(loaded.specification.target, MeshKeys) else ("target",)
-        within(loaded, key if given.target is None else None, lambda: check_sheet(target, facet))
-    if given.target is None or given.design is None:
-        check_sizes(loaded, seed, target)
-
-
 def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
     """How the target's kind is fitted."""
     if isinstance(target, TubeTarget):
@@ -149,9 +126,12 @@ def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
 def moved_back(loaded: Loaded, formulation: Formulation) -> Formulation:
     """A formulation in the coordinates of its specification: the terms, which have no lengths, are the same."""
     goal = formulation.goal
-    seed = goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin)
+    model = replace(goal.model, seed=goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin))
     sliding = [replace(anchor, polyline=anchor.polyline + goal.origin) for anchor in formulation.sliding]
-    fitting = _fitting(loaded, DesignModel(seed), build_target(loaded, given=formulation.given))
+    target = build_target(loaded, given=formulation.given)
+    if len(model.left_out):
+        target = formulation.goal.target.moved(-formulation.goal.origin)  # with its holes filled
+    fitting = _fitting(loaded, model, target)
     goal = replace(goal, fitting=fitting, origin=NOWHERE)
     return replace(formulation, goal=goal, sliding=sliding)
 
@@ -257,68 +237,6 @@ def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
             "Give the radius and the points of the axis in the same unit.",
         )
     return target
-
-
-def _made(loaded: Loaded, given: Given) -> Design | None:
-    """The pattern's seed as a caller or a user's function gives it, if one does."""
-    pattern = loaded.specification.pattern
-    if given.design is None and isinstance(pattern, FamilyPattern):
-        return called(loaded, "pattern", "family", PATTERN_FAMILIES, pattern.parameters, *pattern.size)
-    return given.design
-
-
-def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, made: Design | None = None) -> Design:
-    """The seed, placed over the target's plan; one that keeps its position is moved to the origin (3,).
-
-    Args:
-        loaded: the specification.
-        target: the target, relative to the origin.
-        origin: (3,).
-        made: the pattern's seed, where it is not built in and from no file.
-    """
-    specification = loaded.specification
-    pattern, unit, name = specification.pattern, specification.units, specification.name
-    if made is None and isinstance(pattern, FilePattern):
-        made = fold_file.read(loaded.folder / pattern.file)
-    if made is not None:
-        seed = Design(made.pattern, made.vertices_coords, unit, name)
-        if isinstance(pattern, FilePattern) and pattern.keep_position:
-            return seed.moved_to(seed.vertices_coords - origin)
-        turn = pattern.turn if isinstance(pattern, FilePattern | FamilyPattern) else 0
-        return placement.place_file(seed, target.frame, turn)
-
-    if isinstance(pattern, TubePattern):
-        steps, lengths = pattern.steps, pattern.lengths_v
-
-        def make_tube(factor: float, rows: FloatArray) -> Design:
-            return seeds.tube(
-                [(n, a, factor * length) for n, a, length in steps], pattern.size[1],
-                sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state, lengths=rows,
-                unit=unit, name=name,
-            )  # fmt: skip
-
-        rows = np.ones(pattern.size[1]) if lengths is None else np.array(lengths)
-        return placement.place_tube(make_tube, target.frame, lengths=rows, turn=float(np.radians(pattern.turn)))
-
-    assert isinstance(pattern, GridPattern)  # all others are made by now
-
-    outline = None if pattern.trim == "none" else Outline.of(target, always=pattern.trim == "outline")
-    frame = target.frame if outline is None else outline.frame
-    lengths: placement.Lengths = pattern.lengths_u, pattern.lengths_v
-    if outline is not None and lengths == (None, None):
-        lengths = outline.strips(pattern.size, pattern.turn)
-
-    def make(lengths_u: FloatArray, lengths_v: FloatArray) -> Design:
-        return seeds.grid(
-            pattern.size, pattern.u_lines, pattern.v_lines,
-            sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state,
-            lengths_u=lengths_u, lengths_v=lengths_v, unit=unit, name=name,
-        )  # fmt: skip
-
-    seed = placement.place_grid(
-        make, pattern.size, frame, lengths=lengths, turn=pattern.turn, start_size=pattern.start_size
-    )
-    return seed if outline is None else outline.trim(seed)
 
 
 def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from inverse._types import FloatArray
+from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
-from inverse.origami.trimming import in_one_piece, trimmed
+from inverse.origami.trimming import in_one_piece, part_of
 from inverse.surfaces import Frame, Target
+from inverse.surfaces.holes import HoledTarget
 from inverse.surfaces.mesh import MeshTarget
 from inverse.surfaces.sheet import borders_of
 
@@ -19,6 +20,7 @@ FULL = 0.85  # share of its rectangle that a plan fills from which on the whole 
 LOOKED_AT = 64  # places along each side of the rectangle where the plan is looked for
 PARALLEL = np.cos(np.radians(10.0))  # of a border that grid lines may run along
 LONG = 0.15  # of the rectangle's side: a border that a grid line is laid along
+SQUEEZE = 1e-4  # of heights, for what lies straight above or below to be closest
 LOST = 0.1  # share of the wanted facets that may hang on nothing
 
 
@@ -32,27 +34,24 @@ class Outline:
         border: (B, 2, 2) ends of the border's edges in plan, from the rectangle's centre.
     """
 
-    target: MeshTarget
+    target: Target
     frame: Frame
     border: FloatArray
 
     @classmethod
     def of(cls, target: Target, *, always: bool) -> Outline | None:
-        """The outline of a mesh that a grid is trimmed to; None where the whole grid is used.
+        """The outline that a grid is trimmed to; None where the whole grid is used.
 
         Args:
-            target: the target.
+            target: a mesh, with holes or without.
             always: also where its plan fills ``FULL`` of its rectangle.
         """
-        if not isinstance(target, MeshTarget):
-            return None
         whole = cls._within(target, target.frame)
-        if not len(whole.border):
-            return None
-        return cls._within(target, whole._along_borders()) if always or whole.share < FULL else None
+        trims = always or isinstance(target, HoledTarget) or whole.share < FULL
+        return cls._within(target, whole._along_borders()) if trims else None
 
     @classmethod
-    def _within(cls, target: MeshTarget, frame: Frame) -> Outline:
+    def _within(cls, target: Target, frame: Frame) -> Outline:
         vertices, triangles = target.triangles()
         plan = (vertices - frame.origin) @ frame.axes[:2].T
         return cls(target, frame, plan[borders_of(triangles).edges])
@@ -64,11 +63,19 @@ class Outline:
         x, y = (k.ravel() for k in np.meshgrid(a * self.frame.extent[0], b * self.frame.extent[1], indexing="ij"))
         return float(self.holds(np.stack([x, y], axis=1)).mean())
 
-    def holds(self, plan: FloatArray) -> np.ndarray:
-        """Whether places (N, 2), from the rectangle's centre, lie in the plan, (N,)."""
-        points = self.frame.origin + plan @ self.frame.axes[:2]
-        beside = (self.target.over_plan(points) - points) @ self.frame.axes[:2].T
-        return np.asarray(np.linalg.norm(beside, axis=1) < 1e-3 * min(self.frame.extent))
+    def holds(self, plan: FloatArray, *, filled: bool = False) -> np.ndarray:
+        """Whether places (N, 2), from the rectangle's centre, lie in the plan, (N,).
+
+        Args:
+            plan: the places.
+            filled: whether holes count as if they were filled.
+        """
+        whole = self.target.filled if filled and isinstance(self.target, HoledTarget) else self.target
+        vertices, triangles = whole.triangles()
+        local = (vertices - self.frame.origin) @ self.frame.axes.T
+        flat = MeshTarget(local * [1, 1, SQUEEZE], triangles)
+        feet = flat.closest(np.column_stack([plan, np.zeros(len(plan))])).feet
+        return np.asarray(np.linalg.norm(feet[:, :2] - plan, axis=1) < 1e-3 * min(self.frame.extent))
 
     def _along_borders(self) -> Frame:
         """The rectangle turned so that as much of the border as can be runs along its sides."""
@@ -132,8 +139,14 @@ class Outline:
             strips[np.argmin(np.where(room, step * strips / parts, np.inf))] += step
         return np.repeat(parts / strips, strips) if len(parts) > 1 else np.ones(count)
 
-    def trim(self, seed: Design) -> Design:
+    def trim(self, seed: Design) -> tuple[Design, IntArray]:
         """A placed grid without the facets outside the plan.
+
+        Args:
+            seed: the grid.
+
+        Returns:
+            What is left, and (k,) facets of it over holes.
 
         Raises:
             InputError: the plan is too narrow somewhere for facets of this size.
@@ -144,17 +157,19 @@ class Outline:
         # Corrugations put centroids beside the lines between strips, by turns.
         u, v = plan.mean(axis=1), plan.mean(axis=0)
         along, beside = _directions(u, v)
-        places = (u @ along)[:, None, None] * along + (v @ beside)[None, :, None] * beside
-        wanted = self.holds(places.reshape(-1, 2)).reshape(m, n)
-        kept = in_one_piece(wanted)
-        lost = int((wanted & ~kept).sum())
-        if not kept.any() or lost > LOST * wanted.sum():
+        places = ((u @ along)[:, None, None] * along + (v @ beside)[None, :, None] * beside).reshape(-1, 2)
+        wanted = self.holds(places).reshape(m, n)
+        shown = in_one_piece(wanted)
+        lost = int((wanted & ~shown).sum())
+        if not shown.any() or lost > LOST * wanted.sum():
             raise InputError(
-                f"the target's plan is too narrow somewhere for facets of this size: of {int(wanted.sum())} facets over "
-                f"it {lost} would hang on others by an edge or a corner alone",
+                f"the target's plan is too narrow somewhere for facets of this size: of {int(wanted.sum())} facets "
+                f"over it {lost} would hang on others by an edge or a corner alone",
                 hint="Take more facets, so that the narrowest part is three of them wide.",
             )
-        return trimmed(seed, kept)
+        solved = in_one_piece(shown | self.holds(places, filled=True).reshape(m, n)) | shown
+        left = seed if solved.all() else part_of(seed, solved.ravel())  # a whole grid keeps its sides
+        return left, np.flatnonzero(~shown[solved])
 
 
 def _directions(u: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:

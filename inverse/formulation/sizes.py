@@ -80,5 +80,5 @@ def _largest_areas(seed: Design) -> FloatArray:
         sides = lengths[list(edges)]
         half = float(sides.sum()) / 2
         quad = len(sides) == 4
-        found[f] = np.sqrt(max(np.prod(half - sides), 0.0)) if quad else half**2 / np.pi
+        found[f] = np.sqrt(max(float(np.prod(half - sides)), 0.0)) if quad else half**2 / np.pi
     return found

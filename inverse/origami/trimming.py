@@ -1,4 +1,4 @@
-"""Grids without some of their facets: networks over outlines that are no rectangles."""
+"""Meshes without some of their facets: networks over outlines that are no rectangles, or around holes."""
 
 from __future__ import annotations
 
@@ -34,19 +34,33 @@ def in_one_piece(wanted: Mask) -> Mask:
         kept = filled
 
 
-def trimmed(design: Design, kept: Mask) -> Design:
-    """A grid without some of its facets; vertices keep their order and places.
+def part_of(design: Design, kept: Mask) -> Design:
+    """A mesh without some of its facets; vertices keep their order and places.
 
     Args:
-        design: a grid.
-        kept: (m, n) of its facets.
+        design: a mesh.
+        kept: (F,) of its facets.
 
     Returns:
-        A network of facets, no longer numbered as a grid.
+        A network of facets, not numbered as a grid.
     """
-    pattern = design.pattern
-    faces = [face for face, stays in zip(pattern.faces_vertices, kept.ravel(), strict=True) if stays]
-    used = np.unique(np.array(faces))
+    pattern, used = without(design.pattern, np.flatnonzero(~kept))
+    return Design(pattern, design.vertices_coords[used], design.unit, design.name)
+
+
+def without(pattern: Pattern, facets: IntArray) -> tuple[Pattern, IntArray]:
+    """A pattern without some of its facets.
+
+    Args:
+        pattern: the whole pattern.
+        facets: (k,) int, those left out.
+
+    Returns:
+        The rest, and for each of its vertices (V,) the number it has in the whole.
+    """
+    left = set(facets.tolist())
+    faces = [face for f, face in enumerate(pattern.faces_vertices) if f not in left]
+    used = np.unique(np.fromiter((v for face in faces for v in face), np.int64))
     number = np.full(pattern.n_vertices, -1)
     number[used] = np.arange(len(used))
 
@@ -54,8 +68,7 @@ def trimmed(design: Design, kept: Mask) -> Design:
         whole = pattern.edge_between
         return pattern.edges_type[[whole[frozenset(pair)] for pair in used[edges].tolist()]]
 
-    own = Pattern.from_faces([number[list(face)].tolist() for face in faces], len(used), types)
-    return Design(own, design.vertices_coords[used], design.unit, design.name)
+    return Pattern.from_faces([number[list(face)].tolist() for face in faces], len(used), types), used
 
 
 def _coupled(mask: Mask) -> Mask:

@@ -94,7 +94,7 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
         seed=formulation.goal.model.seed,
         multipliers=point.balance,
         certificate=outcome.certificate,
-        fit=measures.fit(goal, near.design),
+        fit=measures.fit(goal, goal.model.whole(point.variables)),
         coverage=measures.coverage(goal, near.design),
         footprint=measures.footprint(goal, point.variables),
         measures=own,
@@ -129,5 +129,5 @@ def _ending(policy: Policy, near: Outcome, outcome: Outcome) -> tuple[str, list[
 
 
 def _size(formulation: Formulation, outcome: Outcome) -> Size:
-    pattern, problem = formulation.goal.model.pattern, outcome.point.problem
+    pattern, problem = outcome.design.pattern, outcome.point.problem
     return Size(len(pattern.faces_vertices), problem.n_variables, problem.n_rows, pattern.degrees_of_freedom)

@@ -14,7 +14,7 @@ from inverse.surfaces.mesh import MeshTarget
 
 NEAR = 0.5  # facets: parts nearer to each other than this are bridged without a trace
 SEAM = 2.0  # facets: two parts belong together if they run beside each other for as long as this
-HOLE = 0.5  # facets: radius of the circle with the area of the largest hole that is bridged without a trace
+HOLE = 1.0  # facets: holes smaller than this, from corner to corner, are bridged without a trace
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +34,13 @@ class Borders:
     loop: IntArray
 
 
-def check_sheet(mesh: MeshTarget, facet: float) -> None:
+def check_sheet(mesh: MeshTarget, facet: float, *, may_have_holes: bool = False) -> None:
     """Refuse what no sheet of facets of about this size can follow.
 
     Args:
         mesh: the target.
         facet: mean edge length of the seed, in the mesh's unit.
+        may_have_holes: whether the sheet is cut out over holes.
 
     Raises:
         InputError: more than two facets meet at an edge, the mesh is closed, has several parts, or a hole.
@@ -54,7 +55,8 @@ def check_sheet(mesh: MeshTarget, facet: float) -> None:
             "it with a pattern of kind tube and target: {axis: ..., mesh: ...}.",
         )
     _check_parts(mesh, borders, facet)
-    _check_holes(vertices, borders, facet)
+    if not may_have_holes:
+        _check_holes(vertices, borders, facet)
 
 
 def borders_of(triangles: IntArray) -> Borders:
@@ -136,28 +138,36 @@ def _check_parts(mesh: MeshTarget, borders: Borders, facet: float) -> None:
     )
 
 
-def _check_holes(vertices: FloatArray, borders: Borders, facet: float) -> None:
-    """Borders but the outer one of every part."""
-    size, areas = [], []
-    for loop in range(int(borders.loop.max()) + 1):
-        a, b = vertices[borders.edges[borders.loop == loop]].transpose(1, 0, 2)
-        # The vector area of the loop, whose edges have all the same direction.
-        areas.append(float(np.linalg.norm(np.cross(a - a.mean(axis=0), b - a.mean(axis=0)).sum(axis=0) / 2)))
-        size.append(float(np.linalg.norm(np.ptp(np.concatenate([a, b]), axis=0))))
+def hole_loops(vertices: FloatArray, borders: Borders) -> list[int]:
+    """Closed borders but the longest one of every part: the loops around holes."""
+    sizes = _sizes(vertices, borders)
+    found: list[int] = []
     for part in range(int(borders.part.max()) + 1):
-        own = np.unique(borders.loop[borders.edges_part == part])
-        outer = max(own, key=lambda loop: size[loop], default=-1)
-        holes = [loop for loop in own if loop != outer and areas[loop] > np.pi * (HOLE * facet) ** 2]
-        if holes:
-            largest = max(holes, key=lambda loop: areas[loop])
-            middle = vertices[borders.edges[borders.loop == largest]].reshape(-1, 3).mean(axis=0)
-            many = "a hole" if len(holes) == 1 else f"{len(holes)} holes, the largest"
-            raise InputError(
-                f"the target mesh has {many} around {place(middle)}, of {areas[largest]:.3g} square units: a grid has "
-                "none",
-                hint="Fill it in the mesh, cut the mesh from the hole to its rim, or, where it is a tube, go around it "
-                "with a pattern of kind tube and target: {axis: ..., mesh: ...}.",
-            )
+        own = np.unique(borders.loop[borders.edges_part == part]).tolist()
+        found += sorted(own, key=lambda loop: sizes[loop])[:-1]
+    return sorted(found)
+
+
+def _sizes(vertices: FloatArray, borders: Borders) -> FloatArray:
+    """Diagonal of the box around every loop."""
+    ends = [vertices[borders.edges[borders.loop == loop]].reshape(-1, 3) for loop in range(int(borders.loop.max()) + 1)]
+    return np.array([np.linalg.norm(np.ptp(points, axis=0)) for points in ends])
+
+
+def _check_holes(vertices: FloatArray, borders: Borders, facet: float) -> None:
+    """Refuse holes that a sheet without holes would cover."""
+    sizes = _sizes(vertices, borders)
+    holes = [loop for loop in hole_loops(vertices, borders) if sizes[loop] > HOLE * facet]
+    if holes:
+        largest = max(holes, key=lambda loop: sizes[loop])
+        middle = vertices[borders.edges[borders.loop == largest]].reshape(-1, 3).mean(axis=0)
+        many = "a hole" if len(holes) == 1 else f"{len(holes)} holes, the largest"
+        raise InputError(
+            f"the target mesh has {many} around {place(middle)}, {sizes[largest]:.3g} from corner to corner: this "
+            "pattern has none",
+            hint="Fill it in the mesh; or take a pattern of kind grid, without trim: none, which is cut out where it "
+            "is; or, where the target is a tube, one of kind tube with target: {axis: ..., mesh: ...}.",
+        )
 
 
 def place(point: FloatArray) -> str:

@@ -13,6 +13,7 @@ from inverse.errors import InputError
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel
 from inverse.origami.pattern import B
+from inverse.origami.trimming import without
 from inverse.terms.fitting import Fitting
 from inverse.terms.rim import rim_places
 
@@ -106,7 +107,15 @@ class SurfaceFitting(Fitting):
 
     def distances(self, points: FloatArray) -> FloatArray:
         """See :meth:`Fitting.distances`."""
-        return self.target.distances(mean_points(points, fit_vertices(self.model, self.fitted)))
+        groups = fit_vertices(self.model, self.fitted)
+        if len(self.model.left_out):
+            _, used = without(self.model.pattern, self.model.left_out)
+            faces = np.delete(np.arange(len(self.model.pattern.faces_vertices)), self.model.left_out)
+            if self.fitted == "facets":
+                groups = [np.array([self.model.pattern.faces_vertices[f]]) for f in faces]
+            else:
+                groups = [group[np.isin(group[:, 0], used)] for group in groups]
+        return self.target.distances(mean_points(points, groups))
 
     def _feet(self, points: FloatArray) -> FloatArray:
         """Closest points of the target to points (N, 3) and their weights, as (N, 12), dimensionless."""

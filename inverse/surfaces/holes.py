@@ -1,0 +1,113 @@
+"""Meshes with holes as targets: facets over a hole follow a smooth filling, and are no part of the design."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+from scipy.spatial import Delaunay
+
+from inverse._types import FloatArray, IntArray
+from inverse.surfaces.base import ClosestPoints, Frame, Target
+from inverse.surfaces.mesh import MeshTarget
+from inverse.surfaces.sheet import Borders, borders_of, hole_loops
+
+NEIGHBOURS = 60  # vertices of the mesh that a height within a hole is made of
+ACROSS = 12  # places along the side of the box around a hole at which its filling has heights
+
+
+class HoledTarget(Target):
+    """A mesh with holes: it is fitted as if they were filled, and is shown and measured as it is.
+
+    Args:
+        mesh: the mesh.
+        filled: the same without holes.
+    """
+
+    has_kinks = True
+
+    def __init__(self, mesh: MeshTarget, filled: MeshTarget) -> None:
+        self.mesh, self.filled = mesh, filled
+
+    @classmethod
+    def of(cls, mesh: MeshTarget) -> HoledTarget | None:
+        """A mesh with its holes filled in plan; None where it has none that are seen there."""
+        vertices, triangles = mesh.triangles()
+        borders, frame = borders_of(triangles), mesh.frame
+        loops = hole_loops(vertices, borders)
+        local = (vertices - frame.origin) @ frame.axes.T
+        points, fillings = [vertices], [triangles]
+        for loop in loops:
+            corners = _ordered(borders, loop)
+            inside, cells = _filling(local, corners)
+            first = sum(len(part) for part in points)
+            fillings.append(np.r_[corners, first + np.arange(len(inside))][cells])
+            points.append(inside @ frame.axes + frame.origin)
+        filled = MeshTarget(np.concatenate(points), np.concatenate(fillings))
+        return cls(mesh, filled) if loops else None
+
+    def closest(self, points: FloatArray) -> ClosestPoints:
+        """See :meth:`Target.closest`: of the filled surface."""
+        return self.filled.closest(points)
+
+    def triangles(self) -> tuple[FloatArray, IntArray]:
+        """See :meth:`Target.triangles`: with the holes."""
+        return self.mesh.triangles()
+
+    @property
+    def frame(self) -> Frame:
+        """See :meth:`Target.frame`."""
+        return self.filled.frame
+
+    def over_plan(self, points: FloatArray) -> FloatArray:
+        """See :meth:`Target.over_plan`: of the filled surface."""
+        return self.filled.over_plan(points)
+
+    def flattened(self, share: float) -> Target:
+        """See :meth:`Target.flattened`."""
+        flat = self.filled.flattened(share)
+        assert isinstance(flat, MeshTarget)  # a mesh flattened is a mesh
+        return HoledTarget(self.mesh, flat)
+
+    def moved(self, origin: FloatArray) -> HoledTarget:
+        """See :meth:`Target.moved`."""
+        return HoledTarget(self.mesh.moved(origin), self.filled.moved(origin)) if origin.any() else self
+
+
+def _ordered(borders: Borders, loop: int) -> IntArray:
+    """Vertices (n,) along a closed border."""
+    onward = dict(borders.edges[borders.loop == loop].tolist())
+    found = [next(iter(onward))]
+    while (after := onward[found[-1]]) != found[0]:
+        found.append(after)
+    return np.array(found, np.int64)
+
+
+def _filling(local: FloatArray, corners: IntArray) -> tuple[FloatArray, IntArray]:
+    """Points (k, 3) within a hole, at heights that go on from around it, and triangles of its corners and them.
+
+    Args:
+        local: (V, 3) vertices of the mesh in the frame of its plan.
+        corners: (n,) vertices along the hole's border.
+    """
+    rim = local[corners, :2]
+    low, high = rim.min(axis=0), rim.max(axis=0)
+    sides = [np.linspace(a, b, ACROSS + 1)[1:-1] for a, b in zip(low, high, strict=True)]
+    plan = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
+    away = np.linalg.norm(plan[:, None] - rim, axis=2).min(axis=1)
+    plan = plan[_within(plan, rim) & (away > 0.25 * (high - low).min() / ACROSS)]
+    count = min(NEIGHBOURS, len(local))
+    heights = RBFInterpolator(local[:, :2], local[:, 2], neighbors=count)(plan) if len(plan) else np.empty(0)
+    whole = np.concatenate([rim, plan])
+    cells = Delaunay(whole).simplices
+    cells = cells[_within(whole[cells].mean(axis=1), rim)]
+    return np.column_stack([plan, heights]), np.asarray(cells, np.int64)
+
+
+def _within(points: FloatArray, polygon: FloatArray) -> np.ndarray:
+    """Whether points (N, 2) lie in a polygon (n, 2), by how often a ray meets its sides."""
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    x, y = points[:, 0, None], points[:, 1, None]
+    spans = (a[:, 1] > y) != (b[:, 1] > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        meets = a[:, 0] + (y - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+    return np.asarray((spans & (x < meets)).sum(axis=1) % 2 == 1)
