@@ -31,10 +31,12 @@ from inverse.spec import (
 from inverse.spec.footprint import FootprintLimits, State, radians
 from inverse.surfaces import Target
 from inverse.surfaces.named import TARGETS
+from inverse.surfaces.section import SectionTarget
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms.fitting import Fitting
 from inverse.terms.goal import Goal
 from inverse.terms.packed import Measure, Packed
+from inverse.terms.section_fit import SectionFitting
 from inverse.terms.surface_fit import SurfaceFitting
 from inverse.terms.tube_fit import TubeFitting, is_tube
 
@@ -118,6 +120,8 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
 
 def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
     """How the target's kind is fitted."""
+    if isinstance(target, SectionTarget):
+        return SectionFitting(model, target)
     if isinstance(target, TubeTarget):
         return TubeFitting(model, target)
     return SurfaceFitting(model, target, loaded.specification.fit.points)
@@ -225,13 +229,16 @@ def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
     elif keys.implicit is not None:
         value = parse(keys.implicit, SPACE, "implicit expression")
         radius = within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value, origin))
-    else:
+    elif keys.radius is not None:
         radius = np.array(keys.radius)
-    target = TubeTarget(found, radius)
+    if keys.section is not None:
+        target: TubeTarget = within(loaded, ("target", "section"), lambda: SectionTarget(found, keys.sections))
+    else:
+        target = TubeTarget(found, radius)
     length, width = target.frame.extent
     if not 1 / SLENDER <= length / width <= SLENDER:
         raise loaded.source.error(
-            ("target", "axis" if keys.radius is None else "radius"),
+            ("target", "section" if keys.section else "axis" if keys.radius is None else "radius"),
             f"a tube with a mean radius of {width / 2:g} around an axis of length {length:g} cannot be made of "
             f"facets: length and width may differ by a factor of {SLENDER:g} at most",
             "Give the radius and the points of the axis in the same unit.",

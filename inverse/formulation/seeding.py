@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from inverse._types import FloatArray
 from inverse.files import fold_file
-from inverse.formulation import placement
+from inverse.formulation import placement, sections
 from inverse.formulation.calls import called
 from inverse.formulation.given import Given
 from inverse.formulation.outline import Outline
@@ -19,6 +21,7 @@ from inverse.spec import FamilyPattern, FilePattern, GridPattern, Loaded, MeshKe
 from inverse.surfaces import Target
 from inverse.surfaces.holes import HoledTarget
 from inverse.surfaces.mesh import MeshTarget
+from inverse.surfaces.section import SectionTarget
 from inverse.surfaces.sheet import check_sheet
 
 
@@ -90,7 +93,14 @@ def build(
         return DesignModel(placement.place_file(seed, target.frame, turn))
 
     if isinstance(pattern, TubePattern):
-        steps = pattern.steps
+        steps, frame, turned = pattern.steps, target.frame, float(np.radians(pattern.turn))
+        if isinstance(target, SectionTarget):
+            steps = steps if pattern.section else sections.suited(steps, target)
+            ring = seeds.tube(
+                steps, 1, sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state
+            ).vertices_coords.reshape(-1, 2, 3)[..., :2]
+            width, best = sections.laid(ring.mean(axis=1), target)
+            frame, turned = replace(frame, extent=(frame.extent[0], width)), turned + best
 
         def make_tube(factor: float, rows: FloatArray) -> Design:
             return seeds.tube(
@@ -100,8 +110,7 @@ def build(
             )  # fmt: skip
 
         rows = np.ones(pattern.size[1]) if pattern.lengths_v is None else np.array(pattern.lengths_v)
-        turned = float(np.radians(pattern.turn))
-        return DesignModel(placement.place_tube(make_tube, target.frame, lengths=rows, turn=turned))
+        return DesignModel(placement.place_tube(make_tube, frame, lengths=rows, turn=turned))
 
     assert isinstance(pattern, GridPattern)  # all others are made by now
 
