@@ -167,7 +167,8 @@ class Outline:
                 f"over it {lost} would hang on others by an edge or a corner alone",
                 hint="Take more facets, so that the narrowest part is three of them wide.",
             )
-        solved = in_one_piece(shown | self.holds(places, filled=True).reshape(m, n)) | shown
+        solved = in_one_piece(shown | self.holds(places, filled=True).reshape(m, n))
+        shown = in_one_piece(shown & solved)
         left = seed if solved.all() else part_of(seed, solved.ravel())  # a whole grid keeps its sides
         return left, np.flatnonzero(~shown[solved])
 

@@ -17,7 +17,7 @@ def in_one_piece(wanted: Mask) -> Mask:
 
     Facets that share an edge turn about it freely unless an interior vertex at one of its ends couples their fold to
     others. So only facets around interior vertices stay, and of these vertices the largest number that edges join.
-    Where two facets would meet in a corner alone, their neighbours stay as well.
+    Where two facets would meet in a corner alone, one of them goes.
 
     Args:
         wanted: (m, n) of the grid's facets.
@@ -25,13 +25,11 @@ def in_one_piece(wanted: Mask) -> Mask:
     Returns:
         (m, n); none at all where no four facets around a vertex are wanted.
     """
-    kept = np.array(wanted, bool)
-    while True:
+    kept = _coupled(np.array(wanted, bool))
+    while len(contacts := _point_contacts(kept)):
+        kept[tuple(contacts[0])] = False  # one at a time: others may go with it
         kept = _coupled(kept)
-        filled = _without_point_contacts(kept)
-        if (filled == kept).all():
-            return kept
-        kept = filled
+    return kept
 
 
 def part_of(design: Design, kept: Mask) -> Design:
@@ -85,12 +83,7 @@ def _coupled(mask: Mask) -> Mask:
     return found
 
 
-def _without_point_contacts(mask: Mask) -> Mask:
-    """With the neighbours of facets that meet in a corner alone."""
+def _point_contacts(mask: Mask) -> IntArray:
+    """Facets (k, 2) that meet another one in a corner alone, one of each two."""
     a, b, c, d = mask[:-1, :-1], mask[1:, :-1], mask[:-1, 1:], mask[1:, 1:]
-    corner = (a & d & ~b & ~c) | (b & c & ~a & ~d)
-    found = mask.copy()
-    for i in (0, 1):
-        for j in (0, 1):
-            found[i : found.shape[0] - 1 + i, j : found.shape[1] - 1 + j] |= corner
-    return found
+    return np.concatenate([np.argwhere(a & d & ~b & ~c), np.argwhere(b & c & ~a & ~d) + [1, 0]])
