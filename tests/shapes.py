@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -97,7 +98,7 @@ def write(path: Path, mesh: Mesh) -> Path:
 
 def triangles(faces: Sequence[Sequence[int]]) -> IntArray:
     """Facets as fans of triangles."""
-    return np.array([(face[0], b, c) for face in faces for b, c in zip(face[1:-1], face[2:], strict=True)], np.int64)
+    return np.array([(face[0], b, c) for face in faces for b, c in pairwise(face[1:])], np.int64)
 
 
 def in_plan(points: FloatArray, cells: IntArray, places: FloatArray) -> np.ndarray:

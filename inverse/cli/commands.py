@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 from contextlib import ExitStack
@@ -85,6 +86,8 @@ def solve(
         print(json_text(_summary(result, folder)))
     else:
         print(result.status if result.certified and result.converged else f"NOT DONE: {result.status}", file=sys.stderr)
+        if (whole := _whole_grid(result)) is not None:
+            print(f"trimmed   to the target's outline: {result.size.facets} of {whole} facets")
         fit = result.fit
         print(f"fit       rms {fit.rms_relative:.4%}, max {fit.max_relative:.4%} of the diagonal "
               f"(placed seed: rms {fit.start_rms_relative:.2%})")  # fmt: skip
@@ -206,6 +209,13 @@ def run(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         return interrupts.told()
     return result if isinstance(result, int) else 0
+
+
+def _whole_grid(result: Result) -> int | None:
+    """Facets of the grid that a design was trimmed from, if it was."""
+    pattern = result.specification["pattern"]
+    whole = math.prod(pattern["size"]) if pattern["kind"] == "grid" else 0
+    return whole if whole > result.size.facets else None
 
 
 def _summary(result: Result, folder: Path) -> dict[str, object]:

@@ -12,7 +12,7 @@ from inverse.errors import InputError
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
 from inverse.origami.pattern import Pattern
-from inverse.spec import Anchor, Loaded
+from inverse.spec import Anchor, GridPattern, Loaded
 
 END = 1e-6  # a vertex closer than this fraction of a segment to its end sits on the end
 
@@ -135,6 +135,11 @@ def _vertices(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> IntAr
             )
         return vertices[:: anchor.every]
     sides = _sides(pattern)
+    if isinstance(loaded.specification.pattern, GridPattern) and pattern.grid is None:
+        raise loaded.source.error(
+            _key(k, "side"), f"{anchor.side!r} names no side: the grid is trimmed to the target's outline",
+            "Name the vertices, `vertices: [...]`, or write trim: none in the pattern.",
+        )  # fmt: skip
     if anchor.side not in sides:
         what, own = {0: ("A grid", "u0, u1, v0 and v1")}.get(
             pattern.n_holes, ("A tube", "v0, v1 and ends, both of these")

@@ -86,4 +86,5 @@ def _coupled(mask: Mask) -> Mask:
 def _point_contacts(mask: Mask) -> IntArray:
     """Facets (k, 2) that meet another one in a corner alone, one of each two."""
     a, b, c, d = mask[:-1, :-1], mask[1:, :-1], mask[:-1, 1:], mask[1:, 1:]
-    return np.concatenate([np.argwhere(a & d & ~b & ~c), np.argwhere(b & c & ~a & ~d) + [1, 0]])
+    falling = np.argwhere(b & c & ~a & ~d)
+    return np.concatenate([np.argwhere(a & d & ~b & ~c), falling + np.array([1, 0])])

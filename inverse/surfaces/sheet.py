@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
@@ -14,6 +15,7 @@ from inverse.surfaces.mesh import MeshTarget
 
 NEAR = 0.5  # facets: parts nearer to each other than this are bridged without a trace
 SEAM = 2.0  # facets: two parts belong together if they run beside each other for as long as this
+PIECES = 1000  # that an edge of the border is cut into at most
 HOLE = 1.0  # facets: holes smaller than this, from corner to corner, are bridged without a trace
 
 
@@ -96,46 +98,51 @@ def _check_branches(vertices: FloatArray, triangles: IntArray) -> None:
 
 
 def _check_parts(mesh: MeshTarget, borders: Borders, facet: float) -> None:
-    """Parts that no seam of some length joins."""
+    """Refuse parts that no seam of some length joins."""
     count = int(borders.part.max()) + 1
     if count == 1:
         return
     vertices, triangles = mesh.triangles()
-    meshes = [MeshTarget(vertices, triangles[borders.part == k]) for k in range(count)]
-    gaps = np.full((count, count), np.inf)
-    ones, others = [], []
-    for k in range(count):
-        a, b = vertices[borders.edges[borders.edges_part == k]].transpose(1, 0, 2)
-        if not len(a):
-            continue  # closed: it is joined to nothing
-        lengths = np.linalg.norm(b - a, axis=1)
-        for other in range(count):
-            if other == k:
-                continue
-            distances = meshes[other].distances((a + b) / 2)
-            ends = meshes[other].distances(a)
-            gaps[k, other] = float(min(distances.min(), ends.min()))
-            # Not the ends alone: a seam is as near all along.
-            if lengths[(distances < NEAR * facet) & (ends < NEAR * facet)].sum() > SEAM * facet:
-                ones.append(k)
-                others.append(other)
-    group = connected(np.array(ones, np.int64), np.array(others, np.int64), count)
+    group = _joined(vertices, borders, facet, count)[borders.part]
     number = int(group.max()) + 1
     if number == 1:
         return
     _, areas = mesh.samples()
-    shares = np.bincount(group[borders.part], areas) / areas.sum()
-    apart = np.where(group[:, None] != group, np.minimum(gaps, gaps.T), np.inf)
-    nearest = float(apart.min())
+    shares = np.bincount(group, areas) / areas.sum()
+    largest = MeshTarget(vertices, triangles[group == np.argmax(shares)])
+    others = MeshTarget(vertices, triangles[group != np.argmax(shares)])
+    nearest = min(
+        float(one.distances(np.concatenate([other.triangles()[0], other.samples()[0]])).min())
+        for one, other in ((largest, others), (others, largest))
+    )
     told = f"{nearest:.3g} apart" if nearest > 1e-9 * facet else "that only touch"
-    if not np.isfinite(nearest):
-        told = "one of them closed"
     raise InputError(
         f"the target mesh has {number} parts {told}, of {_listed(100 * np.sort(shares)[::-1])} % of its area: a sheet "
         "has one",
         hint="Keep one part in the file and design the others by themselves, or join them in the mesh by a surface "
         f"at least {SEAM * facet:.2g} wide.",
     )
+
+
+def _joined(vertices: FloatArray, borders: Borders, facet: float, count: int) -> IntArray:
+    """Number of the group (count,) that parts belong to whose borders run beside each other."""
+    a, b = vertices[borders.edges].transpose(1, 0, 2)
+    lengths = np.linalg.norm(b - a, axis=1)
+    step = NEAR * facet / 2
+    pieces = np.minimum(np.ceil(lengths / step).astype(int), PIECES)
+    edge = np.repeat(np.arange(len(pieces)), pieces)
+    share = (np.arange(len(edge)) - np.repeat(np.cumsum(pieces) - pieces, pieces) + 0.5) / pieces[edge]
+    places, part, own = a[edge] + share[:, None] * (b - a)[edge], borders.edges_part[edge], (lengths / pieces)[edge]
+    near = cKDTree(places).query_pairs(np.hypot(NEAR * facet, step), output_type="ndarray")
+    near = near[part[near[:, 0]] != part[near[:, 1]]]
+    # Length of the border of a part that is near to another one, each piece counted once.
+    near = np.concatenate([near, near[:, ::-1]])
+    pairs = np.unique(np.c_[near[:, 0], part[near[:, 1]]], axis=0)
+    beside = np.zeros((0, 2), np.int64)
+    if len(pairs):
+        names, number = np.unique(np.c_[part[pairs[:, 0]], pairs[:, 1]], axis=0, return_inverse=True)
+        beside = names[np.bincount(number.ravel(), own[pairs[:, 0]]) > SEAM * facet]
+    return np.unique(connected(beside[:, 0], beside[:, 1], count), return_inverse=True)[1].ravel()
 
 
 def hole_loops(vertices: FloatArray, borders: Borders) -> list[int]:
