@@ -65,6 +65,16 @@ def rings(radii: Sequence[float] | FloatArray, count: int, height: Height = leve
     return np.column_stack([flat, height(flat[:, 0], flat[:, 1])]), faces
 
 
+def patch(corners: Sequence[tuple[float, float]], count: int, height: Height = level) -> Mesh:
+    """Quads of a four-sided outline, count along every side."""
+    share = np.linspace(0, 1, count + 1)
+    a, b = (k.ravel()[:, None] for k in np.meshgrid(share, share, indexing="ij"))
+    c = np.array(corners)
+    flat = (1 - a) * (1 - b) * c[0] + a * (1 - b) * c[1] + a * b * c[2] + (1 - a) * b * c[3]
+    _, faces = squares(np.ones((count, count)))
+    return np.column_stack([flat, height(flat[:, 0], flat[:, 1])]), faces
+
+
 def box(sides: Sequence[float], *, bottom: bool = True) -> Mesh:
     """A box standing on z = 0, of quads."""
     corner = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], np.float64) * sides
