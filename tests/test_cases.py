@@ -81,7 +81,6 @@ def test_outlines_are_followed(name: str, least: float, tmp_path: Path) -> None:
     assert (result.design.pattern.n_holes == 1) == (name == "court")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("name", "farthest"), [("cone", 0.3), ("hemisphere", 0.5)])
 def test_steep_targets_are_reached_all_over(name: str, farthest: float, tmp_path: Path) -> None:
     """No part of the target, its spire included, is farther from the mesh than half a facet."""

@@ -181,9 +181,11 @@ def build_target(loaded: Loaded, origin: FloatArray = NOWHERE, given: Given = NO
 def _target(loaded: Loaded, origin: FloatArray) -> Target:
     keys = loaded.specification.target
     if isinstance(keys, HeightKeys):
-        from inverse.surfaces.parametric import HeightTarget
+        from inverse.surfaces.parametric import HeightTarget, height_over
 
         def make() -> Target:
+            if keys.polygon is not None:
+                return height_over(keys.height, np.array(keys.polygon), origin)
             target = HeightTarget(keys.height, keys.domain, origin)
             target.triangles()  # refuses a height that has no value somewhere on its domain
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from inverse.errors import InputError
@@ -40,15 +41,45 @@ def _check_height(text: str) -> str:
     return text
 
 
+Corner = Annotated[tuple[Number, Number], row("x", "y")]
+
+
+def _check_outline(polygon: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    from inverse.surfaces.polygon import checked
+
+    try:
+        checked(np.array(polygon), "the domain")
+    except InputError as error:
+        raise refusal(error.message, error.hint) from None
+    return polygon
+
+
+Outline = Annotated[tuple[Corner, ...], Field(min_length=3), AfterValidator(_check_outline)]
+
+
+def _tag_of_domain(value: Any) -> str:
+    return "<polygon>" if isinstance(value, list | tuple) and len(value) > 2 else "<rectangle>"
+
+
 class HeightKeys(Model):
     """A target surface z(x, y)."""
 
     height: Annotated[str, AfterValidator(_check_height)] = Field(
         description="height as an expression in x and y, such as 0.45 - 0.3*(x^2 + y^2)"
     )
-    domain: Annotated[tuple[Interval, Interval], row("[x0, x1]", "[y0, y1]")] = Field(
-        description="where the height is taken, [[x0, x1], [y0, y1]]"
+    domain: Annotated[
+        Annotated[tuple[Interval, Interval], row("[x0, x1]", "[y0, y1]"), Tag("<rectangle>")]
+        | Annotated[Outline, Tag("<polygon>")],
+        Discriminator(_tag_of_domain),
+    ] = Field(
+        description="where the height is taken: a rectangle [[x0, x1], [y0, y1]], or three or more corners [x, y] of a"
+        " polygon, the first not repeated"
     )
+
+    @property
+    def polygon(self) -> tuple[tuple[float, float], ...] | None:
+        """Corners of the domain where it is given by them."""
+        return self.domain if len(self.domain) > 2 else None
 
 
 class BetweenKeys(Model):
@@ -96,7 +127,6 @@ def _check_profile(radius: float | tuple[tuple[float, float], ...]) -> float | t
     return radius
 
 
-Corner = Annotated[tuple[Number, Number], row("x", "y")]
 Section = Annotated[tuple[Corner, ...], Field(min_length=3)]
 SectionProfile = Annotated[
     tuple[Annotated[tuple[Share, Section], row("fraction", "polygon")], ...], Field(min_length=1)

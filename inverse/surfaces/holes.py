@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import RBFInterpolator
-from scipy.spatial import Delaunay
 
 from inverse._types import FloatArray, IntArray
 from inverse.surfaces.base import ClosestPoints, Frame, Target
 from inverse.surfaces.mesh import MeshTarget
+from inverse.surfaces.polygon import filled
 from inverse.surfaces.sheet import Borders, borders_of, hole_loops
 
 NEIGHBOURS = 60  # vertices of the mesh that a height within a hole is made of
@@ -90,24 +90,7 @@ def _filling(local: FloatArray, corners: IntArray) -> tuple[FloatArray, IntArray
         corners: (n,) vertices along the hole's border.
     """
     rim = local[corners, :2]
-    low, high = rim.min(axis=0), rim.max(axis=0)
-    sides = [np.linspace(a, b, ACROSS + 1)[1:-1] for a, b in zip(low, high, strict=True)]
-    plan = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
-    away = np.linalg.norm(plan[:, None] - rim, axis=2).min(axis=1)
-    plan = plan[_within(plan, rim) & (away > 0.25 * (high - low).min() / ACROSS)]
+    plan, cells = filled(rim, float(np.ptp(rim, axis=0).max()) / ACROSS)
     count = min(NEIGHBOURS, len(local))
     heights = RBFInterpolator(local[:, :2], local[:, 2], neighbors=count)(plan) if len(plan) else np.empty(0)
-    whole = np.concatenate([rim, plan])
-    cells = Delaunay(whole).simplices
-    cells = cells[_within(whole[cells].mean(axis=1), rim)]
-    return np.column_stack([plan, heights]), np.asarray(cells, np.int64)
-
-
-def _within(points: FloatArray, polygon: FloatArray) -> np.ndarray:
-    """Whether points (N, 2) lie in a polygon (n, 2), by how often a ray meets its sides."""
-    a, b = polygon, np.roll(polygon, -1, axis=0)
-    x, y = points[:, 0, None], points[:, 1, None]
-    spans = (a[:, 1] > y) != (b[:, 1] > y)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        meets = a[:, 0] + (y - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-    return np.asarray((spans & (x < meets)).sum(axis=1) % 2 == 1)
+    return np.column_stack([plan, heights]), cells

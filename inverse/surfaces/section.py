@@ -12,6 +12,7 @@ from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.surfaces.axis import Axis
 from inverse.surfaces.base import ClosestPoints, Frame
+from inverse.surfaces.polygon import checked
 from inverse.surfaces.tube import TubeTarget
 
 ALONG = 128  # pieces that directions across the axis are carried along in, and facets of the surface in pictures
@@ -120,7 +121,7 @@ def check_sections(sections: Sections) -> tuple[FloatArray, list[FloatArray]]:
         InputError: as of :class:`SectionTarget`.
     """
     fractions = np.array([t for t, _ in sections], np.float64)
-    polygons = [_checked(np.asarray(polygon, np.float64)) for _, polygon in sections]
+    polygons = [checked(np.asarray(polygon, np.float64), "the section") for _, polygon in sections]
     counts = sorted({len(polygon) for polygon in polygons})
     if len(counts) > 1:
         raise InputError(
@@ -130,26 +131,6 @@ def check_sections(sections: Sections) -> tuple[FloatArray, list[FloatArray]]:
     if not (np.diff(fractions) > 0).all():
         raise InputError("the fractions of the sections must increase")
     return fractions, polygons
-
-
-def _checked(polygon: FloatArray) -> FloatArray:
-    """A polygon (n, 2) counter-clockwise."""
-    following = np.roll(polygon, -1, axis=0)
-    doubled = float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
-    size = float(np.ptp(polygon, axis=0).max())
-    if abs(doubled) < 1e-6 * size**2:
-        raise InputError("the section has no area")
-    n, steps = len(polygon), following - polygon
-    for i in range(n):
-        for j in range(i + 2, n - (i == 0)):
-            apart, turn = polygon[j] - polygon[i], steps[i][0] * steps[j][1] - steps[i][1] * steps[j][0]
-            if abs(turn) < 1e-12 * size**2:
-                continue
-            a = (apart[0] * steps[j][1] - apart[1] * steps[j][0]) / turn
-            b = (apart[0] * steps[i][1] - apart[1] * steps[i][0]) / turn
-            if 0 <= a <= 1 and 0 <= b <= 1:
-                raise InputError(f"sides {i} and {j} of the section meet (counted from 0)")
-    return polygon if doubled > 0 else polygon[::-1]
 
 
 def _on_outline(polygon: FloatArray) -> FloatArray:

@@ -59,7 +59,7 @@ UNKNOWN_KEYS = [
     (
         "{height:",
         "{|hieght:",
-        f'"hieght" is no key of target: allowed are {TARGETS}, domain, implicit, profile, radius, rise. Did you',
+        f'"hieght" is no key of target: allowed are {TARGETS}, domain, implicit, profile, radius, rise, section. ',
     ),
     (
         "side: u0,",
