@@ -122,10 +122,15 @@ def in_plan(points: FloatArray, cells: IntArray, places: FloatArray) -> np.ndarr
     return found
 
 
-def covered(mesh: tuple[FloatArray, IntArray], target: tuple[FloatArray, IntArray]) -> tuple[float, float]:
-    """Share of a target's plan under a mesh, and the mesh's plan beside it as a share of the target's."""
+def covered(
+    mesh: tuple[FloatArray, IntArray], target: tuple[FloatArray, IntArray], count: int = 120
+) -> tuple[float, float]:
+    """Share of a target's plan under a mesh, and the mesh's plan beside it as a share of the target's.
+
+    Places (count, count) are counted.
+    """
     everything = np.concatenate([mesh[0], target[0]])[:, :2]
-    sides = [np.linspace(low, high, 120) for low, high in zip(everything.min(0), everything.max(0), strict=True)]
+    sides = [np.linspace(low, high, count) for low, high in zip(everything.min(0), everything.max(0), strict=True)]
     places = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
     own, wanted = in_plan(*mesh, places), in_plan(*target, places)
     return float((own & wanted).sum() / wanted.sum()), float((own & ~wanted).sum() / wanted.sum())

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import RBFInterpolator
+from scipy.spatial import QhullError
 
 from inverse._types import FloatArray, IntArray
+from inverse.errors import InputError
 from inverse.surfaces.base import ClosestPoints, Frame, Target
 from inverse.surfaces.mesh import MeshTarget
-from inverse.surfaces.polygon import filled
+from inverse.surfaces.polygon import checked, filled
 from inverse.surfaces.sheet import Borders, borders_of, hole_loops
 
 NEIGHBOURS = 60  # vertices of the mesh that a height within a hole is made of
@@ -38,12 +40,16 @@ class HoledTarget(Target):
         points, fillings = [vertices], [triangles]
         for loop in loops:
             corners = _ordered(borders, loop)
-            inside, cells = _filling(local, corners)
+            filling = None if corners is None else _filling(local, corners)
+            if corners is None or filling is None:
+                continue
+            inside, cells = filling
             first = sum(len(part) for part in points)
             fillings.append(np.r_[corners, first + np.arange(len(inside))][cells])
             points.append(inside @ frame.axes + frame.origin)
-        filled = MeshTarget(np.concatenate(points), np.concatenate(fillings))
-        return cls(mesh, filled) if loops else None
+        if len(fillings) == 1:
+            return None
+        return cls(mesh, MeshTarget(np.concatenate(points), np.concatenate(fillings)))
 
     def closest(self, points: FloatArray) -> ClosestPoints:
         """See :meth:`Target.closest`: of the filled surface."""
@@ -73,24 +79,43 @@ class HoledTarget(Target):
         return HoledTarget(self.mesh.moved(origin), self.filled.moved(origin)) if origin.any() else self
 
 
-def _ordered(borders: Borders, loop: int) -> IntArray:
-    """Vertices (n,) along a closed border."""
-    onward = dict(borders.edges[borders.loop == loop].tolist())
-    found = [next(iter(onward))]
-    while (after := onward[found[-1]]) != found[0]:
+def _ordered(borders: Borders, loop: int) -> IntArray | None:
+    """Vertices (n,) along a closed border, whichever way its facets turn; None where it touches itself."""
+    beside: dict[int, list[int]] = {}
+    for a, b in borders.edges[borders.loop == loop].tolist():
+        beside.setdefault(a, []).append(b)
+        beside.setdefault(b, []).append(a)
+    if any(len(both) != 2 for both in beside.values()):
+        return None
+    start = next(iter(beside))
+    found = [start, beside[start][0]]
+    while (after := next(v for v in beside[found[-1]] if v != found[-2])) != start:
         found.append(after)
     return np.array(found, np.int64)
 
 
-def _filling(local: FloatArray, corners: IntArray) -> tuple[FloatArray, IntArray]:
+def _filling(local: FloatArray, corners: IntArray) -> tuple[FloatArray, IntArray] | None:
     """Points (k, 3) within a hole, at heights that go on from around it, and triangles of its corners and them.
 
     Args:
         local: (V, 3) vertices of the mesh in the frame of its plan.
         corners: (n,) vertices along the hole's border.
+
+    Returns:
+        The points and triangles, or None for a hole that is not seen in plan.
     """
     rim = local[corners, :2]
-    plan, cells = filled(rim, float(np.ptp(rim, axis=0).max()) / ACROSS)
-    count = min(NEIGHBOURS, len(local))
-    heights = RBFInterpolator(local[:, :2], local[:, 2], neighbors=count)(plan) if len(plan) else np.empty(0)
-    return np.column_stack([plan, heights]), cells
+    size = float(np.ptp(rim, axis=0).max())
+    try:
+        checked(rim, "the hole")
+        plan, cells = filled(rim, size / ACROSS)
+    except (InputError, QhullError):
+        return None
+    if not len(plan):
+        return np.empty((0, 3)), cells
+    # Upright parts of the mesh have several heights at a place: their mean.
+    places, number = np.unique(np.round(local[:, :2] / (1e-6 * size)), axis=0, return_inverse=True)
+    heights = np.bincount(number.ravel(), local[:, 2]) / np.bincount(number.ravel())
+    count = min(NEIGHBOURS, len(places))
+    around = RBFInterpolator(places * (1e-6 * size), heights, neighbors=count)
+    return np.column_stack([plan, around(plan)]), cells

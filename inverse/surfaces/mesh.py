@@ -12,8 +12,6 @@ from inverse.errors import InputError
 from inverse.files.meshes import Polygons, read_mesh_file
 from inverse.surfaces.base import ClosestPoints, Frame, Target
 
-CUP = 0.05  # of its area: a surface that faces one side by less, its border's, is as good as closed
-
 
 class MeshTarget(Target):
     """A triangle mesh.
@@ -109,10 +107,6 @@ class MeshTarget(Target):
         centre = points.T @ areas / areas.sum()
         spread = (points - centre).T @ ((points - centre) * areas[:, None])
         z = np.linalg.eigh(spread)[1][:, 0]
-        # The plane of the border, where the surface is a cup: taller than it is wide, it fits an upright plane best.
-        facing = self._normals.T @ areas / areas.sum()
-        if np.linalg.norm(facing) > CUP and abs(z @ facing) < np.linalg.norm(facing) / 2:
-            z = facing / np.linalg.norm(facing)
         z = z if z[2] > 1e-6 or (abs(z[2]) <= 1e-6 and z[np.argmax(np.abs(z))] > 0) else -z
         x = np.eye(3)[np.argmin(np.abs(z))]
         x = x - (x @ z) * z

@@ -27,15 +27,16 @@ def checked(polygon: FloatArray, what: str) -> FloatArray:
     short = np.flatnonzero(np.linalg.norm(steps, axis=1) <= 1e-9 * size)
     if len(short):
         raise InputError(f"corners {short[0]} and {(short[0] + 1) % n} of {what} coincide (counted from 0)")
-    for i in range(n):
-        for j in range(i + 2, n - (i == 0)):
-            apart, turn = polygon[j] - polygon[i], steps[i][0] * steps[j][1] - steps[i][1] * steps[j][0]
-            if abs(turn) < 1e-12 * size**2:
-                continue
-            a = (apart[0] * steps[j][1] - apart[1] * steps[j][0]) / turn
-            b = (apart[0] * steps[i][1] - apart[1] * steps[i][0]) / turn
-            if 0 <= a <= 1 and 0 <= b <= 1:
-                raise InputError(f"sides {i} and {j} of {what} meet (counted from 0)")
+    for i in range(n - 2):
+        j = np.arange(i + 2, n - (i == 0))
+        apart, step, others = polygon[j] - polygon[i], steps[i], steps[j]
+        turn = step[0] * others[:, 1] - step[1] * others[:, 0]
+        turn = np.where(np.abs(turn) < 1e-12 * size**2, np.nan, turn)  # parallel
+        a = (apart[:, 0] * others[:, 1] - apart[:, 1] * others[:, 0]) / turn
+        b = (apart[:, 0] * step[1] - apart[:, 1] * step[0]) / turn
+        meets = (a >= 0) & (a <= 1) & (b >= 0) & (b <= 1)
+        if meets.any():
+            raise InputError(f"sides {i} and {j[np.argmax(meets)]} of {what} meet (counted from 0)")
     if abs(doubled) < 1e-6 * size**2:
         raise InputError(f"{what} has no area")
     return polygon if doubled > 0 else polygon[::-1]

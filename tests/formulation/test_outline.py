@@ -27,7 +27,7 @@ def plan_of(formulation: Formulation) -> tuple[float, float]:
     """How much of the target's plan the seed covers, and how much of it lies beside."""
     design = formulation.goal.model.design(formulation.goal.seed_variables)
     mesh = design.vertices_coords, triangles(design.pattern.faces_vertices)
-    return covered(mesh, formulation.goal.target.triangles())
+    return covered(mesh, formulation.goal.target.triangles(), 50)
 
 
 @pytest.mark.parametrize("pattern", [{}, {"turn": 90}, {"u_lines": "CFL"}, {"sector_angle": 75, "size": [12, 20]}])
@@ -97,3 +97,16 @@ def test_a_court_keeps_the_sides_of_its_grid(tmp_path: Path) -> None:
     assert design.pattern.n_holes == 1
     assert len(design.pattern.faces_vertices) == 256 - len(model.left_out) < 256
     assert len(model.whole(model.seed_points.ravel()).pattern.faces_vertices) == 256
+
+
+def test_anchors_of_a_trimmed_grid_name_vertices(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.obj", squares(ELL, height=bow))
+    anchors = [{"side": "u0", "to": {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}}]
+    asked = {"name": "o", "pattern": {"size": [8, 8]}, "target": {"mesh": path}}
+    with pytest.raises(InputError, match="'u0' names no side: the grid is trimmed") as caught:
+        formulate(inverse.load(asked | {"constraints": {"anchors": anchors}}))
+    assert str(caught.value.where).endswith("anchors.0.side")
+    by_number = [{"vertices": [0, 1], "to": anchors[0]["to"]}]
+    formulate(inverse.load(asked | {"constraints": {"anchors": by_number}}))
+    whole = {"size": [8, 8], "trim": "none"}
+    formulate(inverse.load(asked | {"pattern": whole, "constraints": {"anchors": anchors}}))

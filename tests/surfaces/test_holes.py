@@ -47,3 +47,28 @@ def test_moved_and_flattened_keep_both() -> None:
 def test_a_mesh_without_holes_is_none() -> None:
     vertices, faces = squares(block(6, 6))
     assert HoledTarget.of(MeshTarget(vertices, triangles(faces))) is None
+
+
+def test_facets_may_turn_either_way() -> None:
+    vertices, faces = squares(COURT, height=bow)
+    mixed = [face[::-1] if k % 3 else face for k, face in enumerate(faces)]
+    found = HoledTarget.of(MeshTarget(vertices, triangles(mixed)))
+    assert found is not None
+    assert found.distances(np.array([[6.0, 5.0, 1.5]])) == pytest.approx(0, abs=0.02)
+
+
+def test_holes_that_touch_themselves_or_are_not_seen_stay_open() -> None:
+    eight = block(12, 12, (3, 6, 3, 6), (6, 9, 6, 9))
+    slit = squares(block(8, 8))
+    upright = squares(block(8, 8, (3, 5, 3, 5)))
+    upright = upright[0][:, [0, 2, 1]] + [0, 0, 0], upright[1]
+    for vertices, faces in (squares(eight), slit):
+        assert HoledTarget.of(MeshTarget(vertices, triangles(faces))) is None
+    vertices, faces = upright
+    assert HoledTarget.of(MeshTarget(vertices, triangles(faces))) is not None  # its plan is upright as well
+
+
+def test_many_holes_take_no_time() -> None:
+    mask = np.ones((30, 30), bool)
+    mask[2::4, 2::4] = False
+    assert len(holed(mask).filled.triangles()[1]) > 2 * mask.sum()

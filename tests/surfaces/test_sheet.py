@@ -110,7 +110,3 @@ def test_patterns_without_a_hole_refuse_one(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this pattern has none"):
         formulate(inverse.load(specification(path, pattern={"size": [12, 12], "trim": "none"})))
     formulate(inverse.load(specification(path, pattern={"size": [12, 12]})))
-
-
-def test_the_plan_of_a_cup_is_its_mouth() -> None:
-    assert abs(target(box([4, 3, 6], bottom=False)).frame.axes[2, 2]) == pytest.approx(1)
