@@ -20,6 +20,7 @@ from inverse.surfaces.mesh import MeshTarget
 from inverse.surfaces.polygon import checked, divided, filled
 
 SAMPLES = 96  # per direction: starts of the closest-point search, pictures, areas
+ACROSS = 64  # triangles across the longer side of a polygon
 FLAT = 1e-9  # of the squared slope: least curvature of the squared distance that steps are scaled by
 SETTLED = 1e-6  # a foot is where its point is seen straight above, to this angle in radians
 GAIN = 1e-9  # of the squared distance: by which another foot is to be nearer
@@ -239,7 +240,7 @@ def height_over(expression: str, polygon: FloatArray, origin: FloatArray) -> Mes
         InputError: the polygon crosses itself, or the height has no value somewhere in it.
     """
     outline = checked(polygon, "the domain")
-    spacing = float(np.ptp(outline, axis=0).max()) / SAMPLES
+    spacing = float(np.ptp(outline, axis=0).max()) / ACROSS
     rim = divided(outline, spacing)
     inside, triangles = filled(rim, spacing)
     plan = np.concatenate([rim, inside])
