@@ -22,7 +22,7 @@ demo: $(STAMP) ## solve targets/vault.yaml and say where the pictures are
 setup: $(STAMP) ## make .venv with the locked dependencies and this checkout
 
 test: lint ## lint, types and the tests, without the slow ones
-	$(BIN)/python -m pytest -m "not slow"
+	$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist loadfile
 
 test-slow: $(STAMP) ## only the slow tests
 	$(BIN)/python -m pytest -m slow
@@ -54,6 +54,7 @@ bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, film
 bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; strong bends, drags, footprints (an hour)
 	$(BIN)/python -m benchmarks.robustness
 	$(BIN)/python -m benchmarks.robustness --method nlopt
+	$(BIN)/python -m benchmarks.brief
 	$(BIN)/python -m benchmarks.strong
 	$(BIN)/python -m benchmarks.refine
 	$(BIN)/python -m benchmarks.footprint

@@ -48,7 +48,7 @@ def measure(name: str, overrides: list[str], size: list[int] | None) -> dict[str
         "converged": result.converged,
         "rms": result.report["fit"]["rms_relative"],
         "max": result.report["fit"]["max_relative"],
-        "coverage": result.report["coverage"],
+        "coverage": result.coverage.covered,
         "length": length,
         "width": width,
         "deployed_to_packed": footprint["deployed_to_packed"]["flat-folded"],

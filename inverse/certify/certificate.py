@@ -156,6 +156,15 @@ class Certificate:
     loops: tuple[Loop, ...]
     crossings: tuple[Crossing, ...]
 
+    @property
+    def sentence(self) -> str:
+        """The verdict as a sentence: whether the design is foldable."""
+        if not self.certified:
+            failed = "; ".join(check.sentence for check in self.checks.values() if not check.passed)
+            return f"foldable  NO: not certified: {failed}"
+        low, high = self.free_range or (90.0, 90.0)
+        return f"foldable  yes: certified, facets cross nowhere from t = {low:g} to {high:g} degrees"
+
     def document(self) -> dict[str, Any]:
         """The certificate as JSON-safe data, the form of ``certificate.json``."""
         return {

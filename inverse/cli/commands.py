@@ -6,6 +6,7 @@ import math
 import sys
 import threading
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -23,12 +24,12 @@ if TYPE_CHECKING:
     from inverse.results.result import Result
     from inverse.solvers.run import Progress
 
-CERTIFIED, NOT_CERTIFIED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
+DONE, NOT_DONE, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
 
 app = App(
     name="inverse",
     help="Design rigid-foldable structures backwards: from a target surface to a certified pattern.",
-    help_epilogue="Exit codes: 0 certified and converged, 1 ran but not both, 2 wrong input, 3 interrupted.",
+    help_epilogue="Exit codes: 0 foldable, optimal and as asked, 1 ran but not all, 2 wrong input, 3 interrupted.",
     version_flags=["--version"],
     result_action="return_value",
     suppress_keyboard_interrupt=False,
@@ -85,20 +86,26 @@ def solve(
     if as_json:
         print(json_text(_summary(result, folder)))
     else:
-        print(result.status if result.certified and result.converged else f"NOT DONE: {result.status}", file=sys.stderr)
+        print("\n- ".join(_ending(result)), file=sys.stderr)
+        for sentence in result.verdicts:
+            print(sentence)
         if (whole := _whole_grid(result)) is not None:
             print(f"trimmed   to the target's outline: {result.size.facets} of {whole} facets")
         fit = result.fit
         print(f"fit       rms {fit.rms_relative:.4%}, max {fit.max_relative:.4%} of the diagonal "
               f"(placed seed: rms {fit.start_rms_relative:.2%})")  # fmt: skip
-        print(f"coverage  {result.coverage:.1%} of the target")
+        covered = result.coverage
+        print(
+            f"coverage  {covered.covered:.1%} of the target, {covered.seen}; {covered.beyond_share:.1%} of the mesh "
+            "lies beyond"
+        )
         spent = sum(result.seconds[part] for part in ("start", "build", "solve"))
         print(f"solving   {spent:.1f} s, {result.iterations} iterations")
         for path in saving.files(folder):
             print(f"wrote     {path}")
     if result.interrupted or written.interrupted:
         return INTERRUPTED
-    return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
+    return DONE if result.solved else NOT_DONE
 
 
 @app.command
@@ -124,8 +131,8 @@ def check(design: Path, /, *, as_json: Annotated[bool, Parameter(name="--json", 
             print(f"free of crossings from t = {low:g} to {high:g} degrees")
         for sentence in (one.sentence for some in (certificate.loops, certificate.crossings) for one in some):
             print(sentence)
-        print("certified" if certificate.certified else "NOT certified")
-    return CERTIFIED if certificate.certified else NOT_CERTIFIED
+        print(certificate.sentence)
+    return DONE if certificate.certified else NOT_DONE
 
 
 @app.command
@@ -171,7 +178,7 @@ def repair(
             print(f"wrote     {path}")
     if written.interrupted:
         return INTERRUPTED
-    return CERTIFIED if result.certified and result.converged else NOT_CERTIFIED
+    return DONE if result.certified and result.converged else NOT_DONE
 
 
 app.command(fold)
@@ -218,15 +225,25 @@ def _whole_grid(result: Result) -> int | None:
     return whole if whole > result.size.facets else None
 
 
+def _ending(result: Result) -> list[str]:
+    """How a solve ended, and what of the brief is missed if that is all."""
+    if result.ending != "not_as_asked":
+        return [result.status if result.solved else f"NOT DONE: {result.status}"]
+    missed = [one.told for one in result.asked if not one.met]
+    return ["NOT DONE: certified and converged, but not as asked:", *missed]
+
+
 def _summary(result: Result, folder: Path) -> dict[str, object]:
     return {
         "ending": result.ending,
         "status": result.status,
         "certified": result.certified,
         "converged": result.converged,
+        "as_asked": result.as_asked,
+        "asked": [asdict(one) for one in result.asked],
         "out": str(folder),
         "fit": result.fit.document(),
-        "coverage": result.coverage,
+        "coverage": asdict(result.coverage),
     }
 
 

@@ -63,8 +63,7 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[
     """
     fixed, sliding = [], []
     demand = _Demand(loaded, model.pattern.degrees_of_freedom)
-    for k, anchor in enumerate(loaded.specification.constraints.anchors):
-        vertices = _vertices(loaded, k, anchor, model.pattern)
+    for k, (anchor, vertices) in enumerate(held(loaded, model.pattern)):
         name = f"anchor_{k}"
         demand.add(k, anchor, vertices)
         if anchor.to.polyline is not None:
@@ -75,6 +74,12 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[
         else:
             fixed.append(_fixed(name, vertices, anchor, model, origin))
     return fixed, sliding
+
+
+def held(loaded: Loaded, pattern: Pattern) -> list[tuple[Anchor, IntArray]]:
+    """Every anchor of a specification with the vertices (N,) that it holds."""
+    asked = loaded.specification.constraints.anchors
+    return [(anchor, _vertices(loaded, k, anchor, pattern)) for k, anchor in enumerate(asked)]
 
 
 @dataclass

@@ -24,7 +24,8 @@ class Words:
 
 
 ENDINGS: dict[str, Words] = {
-    SOLVED: Words("certified and converged", ""),
+    SOLVED: Words("certified, converged and as asked", ""),
+    "not_as_asked": Words("certified and converged, but not as asked: {details}", ""),
     "interrupted": Words(
         "interrupted, the best design so far was kept: {details}",
         "Let it run on, or start again from this result.",
@@ -77,9 +78,8 @@ def sentence(word: str, details: list[str]) -> str:
         details: what was measured, as sentences without full stops.
     """
     ending = ENDINGS[word]
-    if word == SOLVED:
-        return ending.cause
-    return f"{ending.cause.format(details='; '.join(details))}. {ending.advice}"
+    cause = ending.cause.format(details="; ".join(details))
+    return f"{cause}. {ending.advice}" if ending.advice else cause
 
 
 def ending_of(policy: Policy, outcome: Outcome) -> tuple[str, list[str]]:

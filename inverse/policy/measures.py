@@ -1,4 +1,4 @@
-"""What is measured of a design beside its target: fit, coverage, footprint. Plain data, as reports tell it."""
+"""What is measured of a design beside its target: fit, footprint. Plain data, as reports tell it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from inverse._types import FloatArray
-from inverse.crossing import triangles_of
 from inverse.errors import InputError
 from inverse.extending.loading import told
 from inverse.extending.registry import Registry
 from inverse.origami import footprint as folded
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
-from inverse.surfaces.mesh import MeshTarget
 from inverse.terms.goal import Goal
 from inverse.terms.packed import SIDES
 from inverse.terms.tube_fit import RingFit
@@ -137,15 +135,6 @@ def fit(goal: Goal, design: Design) -> Fit:
         goal.fitting.points, rms, largest, rms / size, largest / size, start_rms, start_rms / start_size,
         goal.fitting.told(design.vertices_coords),
     )  # fmt: skip
-
-
-def coverage(goal: Goal, design: Design) -> float:
-    """Fraction of the target's area within one (mean) facet diameter of the mesh."""
-    faces, points = design.pattern.faces_vertices, design.vertices_coords
-    diameters = [max(np.linalg.norm(points[a] - points[b]) for a in face for b in face) for face in faces]
-    samples, areas = goal.target.samples()
-    distances = MeshTarget(points, triangles_of(faces)[0]).distances(samples)
-    return float(areas[distances <= np.mean(diameters)].sum() / areas.sum())
 
 
 def footprint(goal: Goal, x: FloatArray) -> dict[str, Any]:

@@ -250,7 +250,7 @@ class Policy:
         except InputError:
             return None  # terms of one's own, or a pattern family, that know only the fine grid
         own = formulation.goal.model
-        if own.pattern.grid is None or goal.model.pattern.grid is None:
+        if own.pattern.grid is None:
             return None  # trimmed to an outline, each in its own way
         start = self._from_coarse(task, formulation.goal)
         rounds = Rounds(formulation, self._options, self.control, self._method, start, step="coarser grid")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from inverse._types import FloatArray
+from inverse.brief.brief import Brief
 from inverse.certify import check_frame
 from inverse.context import triangulated
 from inverse.errors import InputError
@@ -81,7 +82,9 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
     if goal.origin.any():
         outcome = _moved_back(outcome, goal.origin)
         formulation = moved_back(loaded, formulation)
-    ending, details = _ending(policy, near, outcome)
+    footprint = measures.footprint(goal, point.variables)
+    brief = Brief(loaded, policy.formulation, near.design, outcome.certificate, footprint["limits"])
+    ending, details = _ending(policy, near, outcome, brief)
     failed_measures: list[str] = []
     own = measures.own(outcome.design, failed_measures)
     return Result(
@@ -95,8 +98,9 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
         multipliers=point.balance,
         certificate=outcome.certificate,
         fit=measures.fit(goal, goal.model.whole(point.variables)),
-        coverage=measures.coverage(goal, near.design),
-        footprint=measures.footprint(goal, point.variables),
+        coverage=brief.coverage,
+        asked=brief.asked,
+        footprint=footprint,
         measures=own,
         failed_measures=tuple(failed_measures),
         objective=point.objective_terms,
@@ -120,8 +124,11 @@ def _moved_back(outcome: Outcome, origin: FloatArray) -> Outcome:
     return replace(outcome, design=design, certificate=certificate)
 
 
-def _ending(policy: Policy, near: Outcome, outcome: Outcome) -> tuple[str, list[str]]:
+def _ending(policy: Policy, near: Outcome, outcome: Outcome, brief: Brief) -> tuple[str, list[str]]:
     ending, details = endings.ending_of(policy, outcome)
+    missed = [one.told for one in brief.asked if not one.met]
+    if ending == endings.SOLVED and missed:
+        return "not_as_asked", missed
     if ending == "not_certified" and near.certificate.certified:
         far = float(np.abs(outcome.design.vertices_coords).max())
         return "too_far", [f"numbers of {far:.3g} are {np.spacing(far):.1g} apart", *details]

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from inverse._types import FloatArray
+from inverse.brief.asked import Asked
+from inverse.brief.covering import Coverage
 from inverse.certify import Certificate
 from inverse.files.atomic import finite
 from inverse.origami.pattern import Design
@@ -40,7 +42,7 @@ class Result:
 
     Attributes:
         ending: a word of :data:`inverse.policy.endings.ENDINGS`: ``solved``, or why not.
-        status: the same as a sentence: how it ended and, unless certified and converged, what to do next.
+        status: the same as a sentence: how it ended and, unless solved, what to do next.
         converged: stationary and feasible by our own test.
         certified: the independent certificate passes.
         interrupted: stopped by the user, the time limit or a broken watch; the design is the best so far.
@@ -49,7 +51,8 @@ class Result:
         multipliers: (R,) of all constraint rows, which make the result a start for a task like it.
         certificate: the independent certificate of the design.
         fit: distances of the fitted points from the target.
-        coverage: fraction of the target's area within one (mean) facet diameter of the mesh.
+        coverage: what of the target the mesh covers, and what of the mesh lies beyond.
+        asked: what the specification asks, and what the design has to show for it.
         footprint: extents of the flat states and of others that were asked for, as in ``report.json``.
         measures: values of measures of one's own (:func:`inverse.measure`) by name; NaN where one failed.
         failed_measures: why, as sentences.
@@ -76,7 +79,8 @@ class Result:
     multipliers: FloatArray
     certificate: Certificate
     fit: Fit
-    coverage: float
+    coverage: Coverage
+    asked: tuple[Asked, ...]
     footprint: Mapping[str, Any]
     measures: Mapping[str, float]
     failed_measures: tuple[str, ...]
@@ -98,6 +102,36 @@ class Result:
         return self.design.name
 
     @property
+    def as_asked(self) -> bool:
+        """Whether the design is what the specification asks for."""
+        return all(one.met for one in self.asked)
+
+    @property
+    def solved(self) -> bool:
+        """Certified, converged and as asked."""
+        return self.certified and self.converged and self.as_asked
+
+    @property
+    def verdicts(self) -> tuple[str, str, str]:
+        """Three sentences: whether the design is foldable, optimal and as asked."""
+        optimal = "stationary, and all constraints hold" if self.converged else "; ".join(self.failed)
+        failing = "; ".join(one.sentence for one in self.asked if not one.met)
+        asked = failing if failing else f"all {len(self.asked)} requests are met"
+        return (
+            self.certificate.sentence,
+            f"optimal   {'yes' if self.converged else 'NO'}: {optimal}",
+            f"as asked  {'NO' if failing else 'yes'}: {asked}",
+        )
+
+    @property
+    def caption(self) -> str:
+        """The verdicts in a few words, for pictures."""
+        missed = ", ".join(dict.fromkeys(one.name for one in self.asked if not one.met))
+        said = {"foldable": self.certified, "optimal": self.converged, "as asked": self.as_asked}
+        words = [f"{name}: {'yes' if is_so else 'NO'}" for name, is_so in said.items()]
+        return "   ".join(words) + (f" ({missed})" if missed else "")
+
+    @property
     def iterations(self) -> int:
         """Iterations of all runs."""
         return sum(attempt.iterations for attempt in self.attempts)
@@ -110,8 +144,10 @@ class Result:
             "status": self.status,
             "converged": self.converged,
             "certified": self.certified,
+            "as_asked": self.as_asked,
+            "asked": [asdict(one) for one in self.asked],
             "fit": self.fit.document(),
-            "coverage": self.coverage,
+            "coverage": asdict(self.coverage),
             "footprint": self.footprint,
             "measures": self.measures,
             "failed_measures": self.failed_measures,
@@ -147,7 +183,7 @@ class Result:
 
 
 class SolveError(RuntimeError):
-    """A solve that was to raise where its design is not both certified and converged.
+    """A solve that was to raise where its design is not certified, converged and as asked.
 
     Args:
         result: what it found nevertheless; its status says how it ended and what to do next.

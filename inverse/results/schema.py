@@ -10,6 +10,8 @@ from typing import Any, get_type_hints
 
 from pydantic import TypeAdapter
 
+from inverse.brief.asked import Asked
+from inverse.brief.covering import Coverage, Part
 from inverse.certify.certificate import LIMITS, Certificate, Check, Crossing, Loop
 from inverse.policy.attempts import Attempt
 from inverse.policy.endings import ENDINGS
@@ -64,8 +66,10 @@ def _solve() -> Schema:
         "ending": {"enum": list(ENDINGS)},
         "converged": TRUTH,
         "certified": TRUTH,
+        "as_asked": {**TRUTH, "description": "whether the design is what the specification asks for"},
+        "asked": _list(_told(Asked)),
         "fit": _fit(),
-        "coverage": NUMBER,
+        "coverage": _told(Coverage, parts=_list(_told(Part))),
         "footprint": _footprint(),
         "measures": _mapping(NUMBER),
         "failed_measures": _list(TEXT),

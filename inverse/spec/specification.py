@@ -28,6 +28,7 @@ from inverse.spec.fields import (
 )
 from inverse.spec.footprint import FootprintKeys, FootprintLimits
 from inverse.spec.pattern import FamilyPattern, FilePattern, GridPattern, PatternKeys, TubePattern
+from inverse.spec.require import RequireKeys
 from inverse.spec.target import BetweenKeys, HeightKeys, MeshKeys, SurfaceKeys, TargetKeys, TubeKeys
 from inverse.spec.validation import validate
 from inverse.spec.yaml_source import Source
@@ -50,6 +51,7 @@ __all__ = [
     "MeshKeys",
     "PlaceKeys",
     "Plane",
+    "RequireKeys",
     "SolverKeys",
     "Specification",
     "SurfaceKeys",
@@ -227,6 +229,7 @@ class Specification(Model):
     )
     footprint: FootprintKeys = Field(default=FootprintKeys(), description="what the objective footprint makes small")
     constraints: Constraints = Field(default=Constraints(), description="what must hold")
+    require: RequireKeys = Field(default=RequireKeys(), description="what the design must come up to, to be as asked")
     solver: SolverKeys = Field(default=SolverKeys(), description="how the problem is solved")
 
     @model_validator(mode="after")

@@ -12,7 +12,7 @@ from inverse.surfaces import Target
 BESIDE = 1e-3  # of the plan's smaller side: what lies farther beside it is outside
 
 
-def rim_places(seed: Design, target: Target, facets: IntArray) -> FloatArray:
+def rim_places(seed: Design, target: Target, facets: IntArray, outward: float = 0.0) -> FloatArray:
     """Where the centroids of facets on the rim come to lie when the seed is spread over the target.
 
     In plan a steep end of a target is short, so that a place in plan says little about where on it a facet is to
@@ -26,6 +26,7 @@ def rim_places(seed: Design, target: Target, facets: IntArray) -> FloatArray:
         seed: the placed seed.
         target: the target.
         facets: (N,) int, facets on the rim.
+        outward: length by which the first facet of a row lies nearer to the rim than so.
 
     Returns:
         (N, 3) places on the target.
@@ -39,15 +40,16 @@ def rim_places(seed: Design, target: Target, facets: IntArray) -> FloatArray:
         half = (second - first) / 2
         start, end = first - half, last + (last - before) / 2
         along = end - start
-        shares.append(half @ along / (along @ along))
-        beside.append(half - shares[-1] * along)  # corrugations put centroids beside the straight line
+        share = half @ along / (along @ along)
+        beside.append(half - share * along)  # corrugations put centroids beside the straight line
+        shares.append(share)
         lines.append(start + _along(len(row), is_grid=pattern.grid is not None)[:, None] * along)
     places, count = np.zeros_like(centroids), np.zeros(len(centroids))
     for row, line, share, off in zip(rows, _laid(target, lines, pattern), shares, beside, strict=True):
         if len(line) < 2:
             continue
         length = np.r_[0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()]
-        places[row[0]] += [np.interp(share * length[-1], length, line[:, k]) for k in range(3)] + off
+        places[row[0]] += [np.interp(share * length[-1] - outward, length, line[:, k]) for k in range(3)] + off
         count[row[0]] += 1
     in_plan = np.flatnonzero(count == 0)
     places[in_plan] = target.over_plan(centroids[in_plan])

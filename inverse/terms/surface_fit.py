@@ -17,8 +17,10 @@ from inverse.origami.trimming import without
 from inverse.terms.fitting import Fitting
 from inverse.terms.rim import rim_places
 
-# Of the coverage: sixteenths of the model that a rim facet may move freely, factors of the pull within and beyond.
-SLACK, WEAK, STRONG = 0.5, 0.3, 3.0
+# Of the coverage: sixteenths of the model that a rim facet may move freely, factors of the pull within and beyond; and
+# by how many its place is nearer to the rim than in the seed, since facets in that freedom rather move inward.
+SLACK, WEAK, STRONG = 0.25, 0.3, 3.0
+OUTWARD = 0.15
 
 FitPoints = Literal["facets", "layer", "vertices"]
 
@@ -90,7 +92,8 @@ class SurfaceFitting(Fitting):
         for sides in sorted({len(pattern.faces_vertices[f]) for f in rim}):
             facets = np.array([f for f in rim if len(pattern.faces_vertices[f]) == sides], np.int64)
             group = np.array([pattern.faces_vertices[f] for f in facets], np.int64)
-            places = model.to_dimensionless(rim_places(model.seed, self.target, facets))
+            outward = OUTWARD * model.scale * model.refinement
+            places = model.to_dimensionless(rim_places(model.seed, self.target, facets, outward))
 
             def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
                 offset = (_mean(q, k) - p) / model.refinement

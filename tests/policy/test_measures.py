@@ -10,35 +10,6 @@ import pytest
 
 from inverse.policy import measures
 
-SQUARE = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
-BESIDE = [[4.0, 0, 0], [4, 1, 0]]  # with the square's right side a rectangle of 3 x 1
-
-
-def design(*facets: tuple[int, ...]) -> Any:
-    points = np.array([*SQUARE, *BESIDE])
-    return SimpleNamespace(pattern=SimpleNamespace(faces_vertices=list(facets)), vertices_coords=points)
-
-
-def coverage(heights: list[float], *facets: tuple[int, ...]) -> float:
-    """Of samples over the square's middle; each has the area of its number, from 1 on."""
-    samples = np.array([[0.4, 0.5, height] for height in heights])
-    areas = np.arange(1.0, 1 + len(heights))
-    goal: Any = SimpleNamespace(target=SimpleNamespace(samples=lambda: (samples, areas)))
-    return measures.coverage(goal, design(*facets))
-
-
-def test_what_lies_within_a_facets_diameter_is_covered() -> None:
-    """The square's is 1.414."""
-    assert coverage([1.41, 1.42, -1.41], (0, 1, 2, 3)) == pytest.approx(4 / 6)
-    assert coverage([0.0], (0, 1, 2, 3)) == 1
-    assert coverage([9.0], (0, 1, 2, 3)) == 0
-
-
-def test_the_diameter_is_the_mean_of_all_facets() -> None:
-    """1.414 and 3.162, together 2.288."""
-    for facets in ([(0, 1, 2, 3), (1, 4, 5, 2)], [(1, 4, 5, 2), (0, 1, 2, 3)]):
-        assert coverage([2.28, 2.30], *facets) == pytest.approx(1 / 3)
-
 
 def test_the_fit_is_told_in_lengths_and_relative_to_the_designs_own_size() -> None:
     seed, found = np.array([[0.0, 0, 0], [3, 4, 0]]), np.array([[0.0, 0, 0], [6, 8, 0]])

@@ -32,6 +32,7 @@ SPECIFICATION = """\
 name: {name}
 pattern: {{size: {size}}}
 target: {{height: "0.45 - 0.3*(x^2 + y^2)", domain: [[-1, 1], [-1, 1]]}}
+require: {{coverage: 0, beyond: 1}}
 """
 
 

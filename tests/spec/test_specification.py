@@ -80,6 +80,16 @@ def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
             "footprint": None,
         },
         "footprint": {"state": "flat-folded", "measure": "extent"},
+        "require": {
+            "fit": None,
+            "fit_max": None,
+            "surface": None,
+            "missed": None,
+            "coverage": 0.9,
+            "beyond": 0.12,
+            "slenderness": 0.06,
+            "motion": "either",
+        },
         "solver": {"method": "ipopt", "tolerance": 1e-9, "max_iterations": 500, "time_limit_s": None},
     }
     for name in MINIMAL:

@@ -1,0 +1,1 @@
+"""Whether a design is what was asked: measures of the design itself, compared with the specification."""
