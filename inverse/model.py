@@ -83,12 +83,18 @@ class DesignModel:
         """The design that a vector of variables stands for, without the facets that are left out."""
         if not len(self.left_out):
             return self.whole(variables)
-        pattern, used = self._rest
+        pattern, used = self.rest
         return Design(pattern, self.points(variables)[used], self.seed.unit, self.seed.name)
 
     @cached_property
-    def _rest(self) -> tuple[Pattern, IntArray]:
+    def rest(self) -> tuple[Pattern, IntArray]:
+        """The design's pattern, and for each of its vertices (V,) the number it has in the model's."""
         return without(self.pattern, self.left_out)
+
+    @property
+    def kept_vertices(self) -> IntArray:
+        """Numbers (V,) in the model of the design's vertices."""
+        return self.rest[1] if len(self.left_out) else np.arange(self.pattern.n_vertices)
 
     @staticmethod
     def variables_of(vertices: IntArray) -> IntArray:

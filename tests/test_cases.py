@@ -116,6 +116,19 @@ def test_a_door_stays_a_door(tmp_path: Path) -> None:
     assert size == pytest.approx([1.2, 2.3], abs=0.1)  # the zigzag stands 0.1 m to either side
 
 
+def test_a_court_may_hang_on_its_sides(tmp_path: Path) -> None:
+    """Anchors count the whole grid, and so does the brief."""
+    wall = {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}
+    loaded = inverse.load(case("court", tmp_path))
+    asked = loaded.specification.model_dump(mode="json", exclude_none=True)
+    asked["target"]["mesh"] = str(tmp_path / "court.obj")
+    asked["constraints"] = {"anchors": [{"side": "u0", "every": 2, "to": wall}]}
+    result = inverse.solve(asked)
+    assert result.certified
+    assert result.converged
+    assert np.sort(np.abs(result.design.vertices_coords[:, 0]))[:7] == pytest.approx(0, abs=1e-6)
+
+
 def test_every_case_is_tried() -> None:
     tried = {*MESHES, "small_seed", "door"}
     assert {path.stem for path in CASES.glob("*.yaml")} == tried

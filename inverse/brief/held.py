@@ -52,10 +52,10 @@ def requests(
 
 
 def _anchors(loaded: Loaded, formulation: Formulation, design: Design, allowed: float) -> list[Asked]:
-    origin, points = formulation.goal.origin, design.vertices_coords
+    origin, points, model = formulation.goal.origin, design.vertices_coords, formulation.goal.model
     found = []
-    for k, (anchor, vertices) in enumerate(anchors.held(loaded, design.pattern)):
-        off = distances(points[vertices] + origin, anchor.to)
+    for k, (anchor, vertices) in enumerate(anchors.held(loaded, model.pattern)):
+        off = distances(points[np.searchsorted(model.kept_vertices, vertices)] + origin, anchor.to)
         worst = int(np.argmax(off))
         found.append(
             _exact(f"anchors[{k}]", float(off[worst]), allowed, design.unit,

@@ -64,6 +64,12 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> tuple[list[
     fixed, sliding = [], []
     demand = _Demand(loaded, model.pattern.degrees_of_freedom)
     for k, (anchor, vertices) in enumerate(held(loaded, model.pattern)):
+        gone = vertices[~np.isin(vertices, model.kept_vertices)]
+        if len(gone):
+            raise loaded.source.error(
+                _key(k), f"vertex {gone[0]} lies over a hole of the target, where the design is cut out",
+                "Name other vertices.",
+            )  # fmt: skip
         name = f"anchor_{k}"
         demand.add(k, anchor, vertices)
         if anchor.to.polyline is not None:

@@ -12,8 +12,8 @@ from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel
+from inverse.origami import geometry
 from inverse.origami.pattern import B
-from inverse.origami.trimming import without
 from inverse.terms.fitting import Fitting
 from inverse.terms.rim import rim_places
 
@@ -109,16 +109,15 @@ class SurfaceFitting(Fitting):
         return self.model.seed_points
 
     def distances(self, points: FloatArray) -> FloatArray:
-        """See :meth:`Fitting.distances`."""
-        groups = fit_vertices(self.model, self.fitted)
-        if len(self.model.left_out):
-            _, used = without(self.model.pattern, self.model.left_out)
-            faces = np.delete(np.arange(len(self.model.pattern.faces_vertices)), self.model.left_out)
-            if self.fitted == "facets":
-                groups = [np.array([self.model.pattern.faces_vertices[f]]) for f in faces]
-            else:
-                groups = [group[np.isin(group[:, 0], used)] for group in groups]
-        return self.target.distances(mean_points(points, groups))
+        """See :meth:`Fitting.distances`; of vertices of the model, or of its design, which may lack facets."""
+        if not len(self.model.left_out):
+            return self.target.distances(mean_points(points, fit_vertices(self.model, self.fitted)))
+        pattern, used = self.model.rest
+        points = points[used] if len(points) == self.model.pattern.n_vertices else points
+        if self.fitted == "facets":
+            return self.target.distances(geometry.facet_centroids(pattern, points))
+        (fitted,) = fit_vertices(self.model, self.fitted)
+        return self.target.distances(points[np.isin(used, fitted[:, 0])])
 
     def _feet(self, points: FloatArray) -> FloatArray:
         """Closest points of the target to points (N, 3) and their weights, as (N, 12), dimensionless."""

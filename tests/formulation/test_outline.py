@@ -110,3 +110,11 @@ def test_anchors_of_a_trimmed_grid_name_vertices(tmp_path: Path) -> None:
     formulate(inverse.load(asked | {"constraints": {"anchors": by_number}}))
     whole = {"size": [8, 8], "trim": "none"}
     formulate(inverse.load(asked | {"pattern": whole, "constraints": {"anchors": anchors}}))
+
+
+def test_anchors_within_a_hole_are_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.obj", squares(COURT, height=bow))
+    middle = {"vertices": [8 * 17 + 8], "to": {"point": [6, 5, 1]}}
+    asked = {"name": "o", "pattern": {"size": [16, 16]}, "target": {"mesh": path}}
+    with pytest.raises(InputError, match="vertex 144 lies over a hole"):
+        formulate(inverse.load(asked | {"constraints": {"anchors": [middle]}}))
