@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from inverse._types import FloatArray, IntArray
 from inverse.origami import geometry
 from inverse.origami.pattern import Design, Pattern
+from inverse.origami.trimming import without
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,9 +22,12 @@ class DesignModel:
 
     Attributes:
         seed: the placed seed; lengths and signs of folds are bounded relative to it.
+        left_out: (k,) int, facets over holes of the target, with which the mesh is solved but which the design lacks:
+            what is left moves as it does with them.
     """
 
     seed: Design
+    left_out: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
 
     @property
     def pattern(self) -> Pattern:
@@ -71,9 +75,26 @@ class DesignModel:
         """Vertices (V, 3), in the seed's unit, that a vector of variables stands for."""
         return self.to_lengths(variables[: 3 * self.pattern.n_vertices].reshape(-1, 3))
 
-    def design(self, variables: FloatArray) -> Design:
-        """The design that a vector of variables stands for."""
+    def whole(self, variables: FloatArray) -> Design:
+        """The mesh that a vector of variables stands for, with all facets."""
         return self.seed.moved_to(self.points(variables))
+
+    def design(self, variables: FloatArray) -> Design:
+        """The design that a vector of variables stands for, without the facets that are left out."""
+        if not len(self.left_out):
+            return self.whole(variables)
+        pattern, used = self.rest
+        return Design(pattern, self.points(variables)[used], self.seed.unit, self.seed.name)
+
+    @cached_property
+    def rest(self) -> tuple[Pattern, IntArray]:
+        """The design's pattern, and for each of its vertices (V,) the number it has in the model's."""
+        return without(self.pattern, self.left_out)
+
+    @property
+    def kept_vertices(self) -> IntArray:
+        """Numbers (V,) in the model of the design's vertices."""
+        return self.rest[1] if len(self.left_out) else np.arange(self.pattern.n_vertices)
 
     @staticmethod
     def variables_of(vertices: IntArray) -> IntArray:

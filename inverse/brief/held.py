@@ -52,13 +52,13 @@ def requests(
 
 
 def _anchors(loaded: Loaded, formulation: Formulation, design: Design, allowed: float) -> list[Asked]:
-    origin, points = formulation.goal.origin, design.vertices_coords
+    origin, points, model = formulation.goal.origin, design.vertices_coords, formulation.goal.model
     found = []
     asked = loaded.specification.constraints.anchors
     for k, (anchor, vertices) in enumerate(zip(asked, formulation.anchored.held, strict=True)):
         if not len(vertices):
             continue  # others hold all that it names; the notes say so
-        off = distances(points[vertices] + origin, anchor.to)
+        off = distances(points[np.searchsorted(model.kept_vertices, vertices)] + origin, anchor.to)
         worst = int(np.argmax(off))
         found.append(
             _exact(f"anchors[{k}]", float(off[worst]), allowed, design.unit,
@@ -69,13 +69,14 @@ def _anchors(loaded: Loaded, formulation: Formulation, design: Design, allowed: 
 
 
 def _walls(formulation: Formulation, design: Design, allowed: float) -> list[Asked]:
-    found = []
+    found, kept = [], formulation.goal.model.kept_vertices
     for wall in formulation.anchored.walls:
-        depth = -wall.plane.heights(design.vertices_coords[wall.vertices])
+        vertices = np.intersect1d(wall.vertices, kept)
+        depth = -wall.plane.heights(design.vertices_coords[np.searchsorted(kept, vertices)])
         worst = int(np.argmax(depth))
         found.append(
             _exact(wall.name.replace("_", "[", 1) + "]", max(float(depth[worst]), 0.0), allowed, design.unit,
-                   f"vertex {wall.vertices[worst]} is {{}} behind the wall of an anchor",
+                   f"vertex {vertices[worst]} is {{}} behind the wall of an anchor",
                    "Move the target, or write `within: false` at that anchor")
         )  # fmt: skip
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 from contextlib import ExitStack
@@ -107,6 +108,8 @@ def solve(
         print("\n- ".join(_ending(result)), file=sys.stderr)
         for sentence in result.verdicts:
             print(sentence)
+        if (whole := _whole_grid(result)) is not None:
+            print(f"trimmed   to the target's outline: {result.size.facets} of {whole} facets")
         fit = result.fit
         print(f"fit       rms {fit.rms_relative:.4%}, max {fit.max_relative:.4%} of the diagonal "
               f"(placed seed: rms {fit.start_rms_relative:.2%})")  # fmt: skip
@@ -261,6 +264,13 @@ def _show(loaded: Loaded, folder: Path, *, as_json: bool) -> int:
         for line in [*seed.table, *(f"wrote {path}" for path in paths)]:
             print(line)
     return 0
+
+
+def _whole_grid(result: Result) -> int | None:
+    """Facets of the grid that a design was trimmed from, if it was."""
+    pattern = result.specification["pattern"]
+    whole = math.prod(pattern["size"]) if pattern["kind"] == "grid" else 0
+    return whole if whole > result.size.facets else None
 
 
 def _ending(result: Result) -> list[str]:

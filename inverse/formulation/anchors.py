@@ -15,7 +15,7 @@ from inverse.formulation.walls import Wall
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
 from inverse.origami.pattern import Pattern
-from inverse.spec import Anchor, Loaded
+from inverse.spec import Anchor, GridPattern, Loaded
 
 END = 1e-6  # a vertex closer than this fraction of a segment to its end sits on the end
 MEET = 0.01  # mean edges: places so near to each other meet
@@ -94,6 +94,14 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> Anchored:
     asked = loaded.specification.constraints.anchors
     places = [place_of(anchor, origin) for anchor in asked]
     lines = [_lines(loaded, k, anchor, model.pattern) for k, anchor in enumerate(asked)]
+    for k, some in enumerate(lines):
+        gone = np.setdiff1d(np.concatenate(some), model.kept_vertices)
+        if len(gone):
+            raise loaded.source.error(
+                ("constraints", "anchors", k),
+                f"vertex {gone[0]} lies over a hole of the target, where the design is cut out",
+                "Name other vertices.",
+            )
     tolerance = MEET * model.scale
     shared = sharing.shared(loaded, model, places, lines, tolerance)
     at, by = shared.at, shared.by
@@ -146,6 +154,11 @@ def _lines(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> list[Int
             )
         return [vertices[:: anchor.every]]
     sides = sides_of(pattern)
+    if isinstance(loaded.specification.pattern, GridPattern) and pattern.grid is None:
+        raise loaded.source.error(
+            (*key, "side"), f"{anchor.side!r} names no side: the grid is trimmed to the target's outline",
+            "Name the vertices, `vertices: [...]`, or write trim: none in the pattern.",
+        )  # fmt: skip
     if anchor.side not in sides:
         what, own = {0: ("A grid", "u0, u1, v0 and v1")}.get(
             pattern.n_holes, ("A tube", "v0, v1 and ends, both of these")

@@ -12,38 +12,33 @@ from inverse import constraints as hard
 from inverse import cylinder_loop
 from inverse._types import FloatArray
 from inverse.errors import InputError
-from inverse.files import fold_file
-from inverse.formulation import anchors, contradictions, own_terms, placement
+from inverse.formulation import anchors, contradictions, own_terms, seeding
 from inverse.formulation.anchors import Anchored, PolylineAnchor
 from inverse.formulation.calls import called
 from inverse.formulation.given import NOTHING, Given
 from inverse.formulation.places import Flat, lies_in
+from inverse.formulation.sizes import check_sizes
 from inverse.formulation.within import within
 from inverse.limits import check_coordinates, check_extent
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint, Objective
-from inverse.origami import seeds
-from inverse.origami.families import PATTERN_FAMILIES
-from inverse.origami.pattern import Design
 from inverse.spec import (
     BetweenKeys,
-    FamilyPattern,
-    FilePattern,
-    GridPattern,
     HeightKeys,
     KeepOut,
     Loaded,
     SurfaceKeys,
     TubeKeys,
-    TubePattern,
 )
 from inverse.spec.footprint import FootprintLimits, State, radians
 from inverse.surfaces import Target
 from inverse.surfaces.named import TARGETS
+from inverse.surfaces.section import SectionTarget
 from inverse.surfaces.tube import TubeTarget
 from inverse.terms.fitting import Fitting
 from inverse.terms.goal import Goal
 from inverse.terms.packed import Measure, Packed
+from inverse.terms.section_fit import SectionFitting
 from inverse.terms.surface_fit import SurfaceFitting
 from inverse.terms.tube_fit import TubeFitting, is_tube
 
@@ -98,14 +93,16 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
     origin = NOWHERE if isinstance(given.target, TubeTarget) else _origin(target)
     if origin.any():
         target = build_target(loaded, origin, given)
-    made = _made(loaded, given)
-    seed = within(loaded, ("pattern",), lambda: build_seed(loaded, target, origin, made))
+    made = seeding.made(loaded, given)
+    target, outline = seeding.outlined(loaded, target, given, made)
+    model = within(loaded, ("pattern",), lambda: seeding.build(loaded, target, outline, origin, made))
+    seed = model.seed
     if isinstance(target, TubeTarget) and not (is_tube(seed.pattern) and (seed.pattern.grid or (0, 0))[1] > 1):
         raise loaded.source.error(
             ("pattern",), "a target around an axis needs a tube of two or more rows, numbered as a grid",
             "Give a pattern of kind tube, or a file of one with bdffpq:grid.",
         )  # fmt: skip
-    model = DesignModel(seed)
+    check_sizes(loaded, seed, target)
     surface = target if share == 1 else target.flattened(share)
     goal = Goal(_fitting(loaded, model, surface), _packed(loaded, model), origin)
     goal, terms = own_terms.minimized(loaded, goal, given)
@@ -130,6 +127,8 @@ def formulate(loaded: Loaded, share: float = 1.0, given: Given = NOTHING) -> For
 
 def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
     """How the target's kind is fitted."""
+    if isinstance(target, SectionTarget):
+        return SectionFitting(model, target)
     if isinstance(target, TubeTarget):
         return TubeFitting(model, target)
     return SurfaceFitting(model, target, loaded.specification.fit.points)
@@ -138,9 +137,12 @@ def _fitting(loaded: Loaded, model: DesignModel, target: Target) -> Fitting:
 def moved_back(loaded: Loaded, formulation: Formulation) -> Formulation:
     """A formulation in the coordinates of its specification: the terms, which have no lengths, are the same."""
     goal = formulation.goal
-    seed = goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin)
+    model = replace(goal.model, seed=goal.model.seed.moved_to(goal.model.seed.vertices_coords + goal.origin))
     sliding = [replace(anchor, polyline=anchor.polyline + goal.origin) for anchor in formulation.sliding]
-    fitting = _fitting(loaded, DesignModel(seed), build_target(loaded, given=formulation.given))
+    target = build_target(loaded, given=formulation.given)
+    if len(model.left_out):
+        target = formulation.goal.target.moved(-formulation.goal.origin)  # with its holes filled
+    fitting = _fitting(loaded, model, target)
     goal = replace(goal, fitting=fitting, origin=NOWHERE)
     return replace(formulation, goal=goal, sliding=sliding)
 
@@ -186,9 +188,11 @@ def build_target(loaded: Loaded, origin: FloatArray = NOWHERE, given: Given = NO
 def _target(loaded: Loaded, origin: FloatArray) -> Target:
     keys = loaded.specification.target
     if isinstance(keys, HeightKeys):
-        from inverse.surfaces.parametric import HeightTarget
+        from inverse.surfaces.parametric import HeightTarget, height_over
 
         def make() -> Target:
+            if keys.polygon is not None:
+                return height_over(keys.height, np.array(keys.polygon), origin)
             target = HeightTarget(keys.height, keys.domain, origin)
             target.triangles()  # refuses a height that has no value somewhere on its domain
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -234,74 +238,21 @@ def _tube_target(loaded: Loaded, keys: TubeKeys, origin: FloatArray) -> Target:
     elif keys.implicit is not None:
         value = parse(keys.implicit, SPACE, "implicit expression")
         radius = within(loaded, ("target", "implicit"), lambda: around.of_implicit(found, value, origin))
-    else:
+    elif keys.radius is not None:
         radius = np.array(keys.radius)
-    target = TubeTarget(found, radius)
+    if keys.section is not None:
+        target: TubeTarget = within(loaded, ("target", "section"), lambda: SectionTarget(found, keys.sections))
+    else:
+        target = TubeTarget(found, radius)
     length, width = target.frame.extent
     if not 1 / SLENDER <= length / width <= SLENDER:
         raise loaded.source.error(
-            ("target", "axis" if keys.radius is None else "radius"),
+            ("target", "section" if keys.section else "axis" if keys.radius is None else "radius"),
             f"a tube with a mean radius of {width / 2:g} around an axis of length {length:g} cannot be made of "
             f"facets: length and width may differ by a factor of {SLENDER:g} at most",
             "Give the radius and the points of the axis in the same unit.",
         )
     return target
-
-
-def _made(loaded: Loaded, given: Given) -> Design | None:
-    """The pattern's seed as a caller or a user's function gives it, if one does."""
-    pattern = loaded.specification.pattern
-    if given.design is None and isinstance(pattern, FamilyPattern):
-        return called(loaded, "pattern", "family", PATTERN_FAMILIES, pattern.parameters, *pattern.size)
-    return given.design
-
-
-def build_seed(loaded: Loaded, target: Target, origin: FloatArray = NOWHERE, made: Design | None = None) -> Design:
-    """The seed, placed over the target's plan; one that keeps its position is moved to the origin (3,).
-
-    Args:
-        loaded: the specification.
-        target: the target, relative to the origin.
-        origin: (3,).
-        made: the pattern's seed, where it is not built in and from no file.
-    """
-    specification = loaded.specification
-    pattern, unit, name = specification.pattern, specification.units, specification.name
-    if made is None and isinstance(pattern, FilePattern):
-        made = fold_file.read(loaded.folder / pattern.file)
-    if made is not None:
-        seed = Design(made.pattern, made.vertices_coords, unit, name)
-        if isinstance(pattern, FilePattern) and pattern.keep_position:
-            return seed.moved_to(seed.vertices_coords - origin)
-        turn = pattern.turn if isinstance(pattern, FilePattern | FamilyPattern) else 0
-        return placement.place_file(seed, target.frame, turn)
-
-    if isinstance(pattern, TubePattern):
-        steps, lengths = pattern.steps, pattern.lengths_v
-
-        def make_tube(factor: float, rows: FloatArray) -> Design:
-            return seeds.tube(
-                [(n, a, factor * length) for n, a, length in steps], pattern.size[1],
-                sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state, lengths=rows,
-                unit=unit, name=name,
-            )  # fmt: skip
-
-        rows = np.ones(pattern.size[1]) if lengths is None else np.array(lengths)
-        return placement.place_tube(make_tube, target.frame, lengths=rows, turn=float(np.radians(pattern.turn)))
-
-    assert isinstance(pattern, GridPattern)  # all others are made by now
-
-    def make(lengths_u: FloatArray, lengths_v: FloatArray) -> Design:
-        return seeds.grid(
-            pattern.size, pattern.u_lines, pattern.v_lines,
-            sector_angle=np.radians(pattern.sector_angle), fold_state=pattern.fold_state,
-            lengths_u=lengths_u, lengths_v=lengths_v, unit=unit, name=name,
-        )  # fmt: skip
-
-    return placement.place_grid(
-        make, pattern.size, target.frame,
-        lengths=(pattern.lengths_u, pattern.lengths_v), turn=pattern.turn, start_size=pattern.start_size,
-    )  # fmt: skip
 
 
 def _loops(loaded: Loaded, model: DesignModel) -> list[Constraint]:

@@ -11,6 +11,8 @@ from inverse.origami import geometry
 from inverse.origami.pattern import Design, Pattern
 from inverse.surfaces import Frame
 
+Lengths = tuple[Sequence[float] | FloatArray | None, Sequence[float] | FloatArray | None]
+
 
 def drifts(pattern: Pattern, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean vectors from side u0 to u1 and from v0 to v1 of a grid's vertices ``points`` (V, 3)."""
@@ -26,7 +28,7 @@ def place_grid(
     size: tuple[int, int],
     frame: Frame,
     *,
-    lengths: tuple[Sequence[float] | None, Sequence[float] | None] = (None, None),
+    lengths: Lengths = (None, None),
     turn: int = 0,
     start_size: tuple[float, float] | None = None,
 ) -> Design:

@@ -200,9 +200,7 @@ class Rounds:
             states = np.pi / 2 + np.arange(1, count + 1) / count * (end - np.pi / 2)
             crossed = [
                 (t, set(map(tuple, pairs.tolist())))
-                for t, points in zip(
-                    states.tolist(), folding.fold(model.design(x), states).vertices_coords, strict=True
-                )
+                for t, points in zip(states.tolist(), folding.fold(model.whole(x), states).vertices_coords, strict=True)
                 if len(pairs := crossing_facets(points, faces))
             ]
             found |= dict(crossed[:1] + crossed[-1:])

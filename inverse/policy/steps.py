@@ -264,6 +264,8 @@ class Policy:
         if self.control.stopped:
             return None  # there is nothing better than the seed yet
         own = formulation.goal.model
+        if own.pattern.grid is None:
+            return None  # trimmed to an outline, each in its own way
         start = self._from_coarse(task, formulation.goal)
         rounds = Rounds(
             formulation, self._options, self.control, self._method, start, step="coarser grid", start_name=COARSE

@@ -97,7 +97,7 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
         seed=formulation.goal.model.seed,
         multipliers=point.balance,
         certificate=outcome.certificate,
-        fit=measures.fit(goal, near.design),
+        fit=measures.fit(goal, goal.model.whole(point.variables)),
         coverage=brief.coverage,
         asked=brief.asked,
         footprint=footprint,
@@ -137,5 +137,5 @@ def _ending(policy: Policy, near: Outcome, outcome: Outcome, brief: Brief) -> tu
 
 
 def _size(formulation: Formulation, outcome: Outcome) -> Size:
-    pattern, problem = formulation.goal.model.pattern, outcome.point.problem
+    pattern, problem = outcome.design.pattern, outcome.point.problem
     return Size(len(pattern.faces_vertices), problem.n_variables, problem.n_rows, pattern.degrees_of_freedom)

@@ -58,6 +58,21 @@ class GridPattern(Model):
     start_size: Annotated[tuple[Positive, Positive], row("a", "b")] | None = Field(
         default=None, description="size [a, b] of the placed seed in plan; it covers the target if not given"
     )
+    trim: Annotated[
+        Literal["auto", "outline", "none"],
+        word(
+            "way to trim a grid",
+            {
+                "auto": "outline, where the target fills less than 85 % of the rectangle around its plan",
+                "outline": "without the facets outside the target's plan",
+                "none": "the whole grid",
+            },
+        ),
+    ] = Field(
+        default="auto",
+        description="whether facets outside the outline of a mesh target are left out: outline, none, or"
+        " auto (where it fills less than 85 % of the rectangle around its plan)",
+    )
 
     @model_validator(mode="after")
     def _check_counts(self) -> Self:

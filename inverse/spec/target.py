@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from inverse.errors import InputError
@@ -40,15 +41,45 @@ def _check_height(text: str) -> str:
     return text
 
 
+Corner = Annotated[tuple[Number, Number], row("x", "y")]
+
+
+def _check_outline(polygon: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    from inverse.surfaces.polygon import checked
+
+    try:
+        checked(np.array(polygon), "the domain")
+    except InputError as error:
+        raise refusal(error.message, error.hint) from None
+    return polygon
+
+
+Outline = Annotated[tuple[Corner, ...], Field(min_length=3), AfterValidator(_check_outline)]
+
+
+def _tag_of_domain(value: Any) -> str:
+    return "<polygon>" if isinstance(value, list | tuple) and len(value) > 2 else "<rectangle>"
+
+
 class HeightKeys(Model):
     """A target surface z(x, y)."""
 
     height: Annotated[str, AfterValidator(_check_height)] = Field(
         description="height as an expression in x and y, such as 0.45 - 0.3*(x^2 + y^2)"
     )
-    domain: Annotated[tuple[Interval, Interval], row("[x0, x1]", "[y0, y1]")] = Field(
-        description="where the height is taken, [[x0, x1], [y0, y1]]"
+    domain: Annotated[
+        Annotated[tuple[Interval, Interval], row("[x0, x1]", "[y0, y1]"), Tag("<rectangle>")]
+        | Annotated[Outline, Tag("<polygon>")],
+        Discriminator(_tag_of_domain),
+    ] = Field(
+        description="where the height is taken: a rectangle [[x0, x1], [y0, y1]], or three or more corners [x, y] of a"
+        " polygon, the first not repeated"
     )
+
+    @property
+    def polygon(self) -> tuple[tuple[float, float], ...] | None:
+        """Corners of the domain where it is given by them."""
+        return self.domain if len(self.domain) > 2 else None
 
 
 class BetweenKeys(Model):
@@ -96,6 +127,33 @@ def _check_profile(radius: float | tuple[tuple[float, float], ...]) -> float | t
     return radius
 
 
+Section = Annotated[tuple[Corner, ...], Field(min_length=3)]
+SectionProfile = Annotated[
+    tuple[Annotated[tuple[Share, Section], row("fraction", "polygon")], ...], Field(min_length=1)
+]
+
+
+def _tag_of_section(value: Any) -> str:
+    first = value[0] if isinstance(value, list | tuple) and len(value) else None
+    behind = first[-1] if isinstance(first, list | tuple) and len(first) else None
+    return "<profile>" if isinstance(behind, list | tuple) else "<polygon>"
+
+
+def _check_sections(section: tuple[Any, ...]) -> tuple[Any, ...]:
+    from inverse.surfaces.section import check_sections  # casadi is loaded where it is needed
+
+    try:
+        check_sections(as_sections(section))
+    except InputError as error:
+        raise refusal(error.message, error.hint) from None
+    return section
+
+
+def as_sections(section: tuple[Any, ...]) -> list[tuple[float, Any]]:
+    """Pairs of a fraction of the length and a polygon, from the polygon alone or from such pairs."""
+    return [(0.0, section)] if isinstance(section[0][1], float | int) else [(t, polygon) for t, polygon in section]
+
+
 def _check_implicit(text: str) -> str:
     from inverse.surfaces.expression import SPACE, parse  # casadi is loaded where it is needed
 
@@ -109,7 +167,7 @@ def _check_implicit(text: str) -> str:
 class TubeKeys(Model):
     """A tube around an axis, by its radius or by a surface whose mean distance from the axis is the radius."""
 
-    one_of: ClassVar[tuple[str, ...]] = ("radius", "mesh", "implicit")
+    one_of: ClassVar[tuple[str, ...]] = ("radius", "section", "mesh", "implicit")
     what: ClassVar[str] = "a target around an axis"
 
     axis: AxisKeys = Field(description="the centre line of the tube, by exactly one of polyline, spline and arc")
@@ -125,12 +183,30 @@ class TubeKeys(Model):
         description="rms distance of a ring's facet centroids from the axis, one number or [[fraction of the length,"
         " radius], ...]",
     )
+    section: (
+        Annotated[
+            Annotated[Section, Tag("<polygon>")] | Annotated[SectionProfile, Tag("<profile>")],
+            Discriminator(_tag_of_section),
+            AfterValidator(_check_sections),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="closed polygon across the axis that the tube follows, three or more corners [x, y], the first not"
+        " repeated, or [[fraction of the length, polygon], ...]; y is up (of a vertical axis the y of space), x to the"
+        " right seen from the end of the axis, and [0, 0] lies on it",
+    )
     mesh: FileName | None = Field(
         default=None, description="mesh file of a surface around the axis, looked up beside the specification"
     )
     implicit: Annotated[str, AfterValidator(_check_implicit)] | None = Field(
         default=None, description="surface around the axis where an expression in x, y and z is zero, x^2 + y^2 - 1"
     )
+
+    @property
+    def sections(self) -> list[tuple[float, Any]]:
+        """Pairs of a fraction of the length and a polygon of [x, y]."""
+        return as_sections(self.section) if self.section else []
 
 
 class SurfaceKeys(Model):

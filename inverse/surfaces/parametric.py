@@ -16,8 +16,11 @@ from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.surfaces.base import ClosestPoints, Frame, Target
 from inverse.surfaces.expression import parse
+from inverse.surfaces.mesh import MeshTarget
+from inverse.surfaces.polygon import checked, divided, filled
 
 SAMPLES = 96  # per direction: starts of the closest-point search, pictures, areas
+ACROSS = 64  # triangles across the longer side of a polygon
 FLAT = 1e-9  # of the squared slope: least curvature of the squared distance that steps are scaled by
 SETTLED = 1e-6  # a foot is where its point is seen straight above, to this angle in radians
 GAIN = 1e-9  # of the squared distance: by which another foot is to be nearer
@@ -223,6 +226,33 @@ class HeightTarget(ParametricTarget):
         outside = plan - inside
         drop = point[2] - level - casadi.dot(steepness, outside)
         return casadi.vertcat(drop / casadi.sqrt(1 + casadi.sumsqr(steepness)), outside)
+
+
+def height_over(expression: str, polygon: FloatArray, origin: FloatArray) -> MeshTarget:
+    """z = h(x, y) over a polygon, as triangles.
+
+    Args:
+        expression: height, see :func:`inverse.surfaces.expression.parse`.
+        polygon: (n, 2) corners, the first not repeated.
+        origin: (3,) point of the expression's coordinates that the surface's are relative to.
+
+    Raises:
+        InputError: the polygon crosses itself, or the height has no value somewhere in it.
+    """
+    outline = checked(polygon, "the domain")
+    spacing = float(np.ptp(outline, axis=0).max()) / ACROSS
+    rim = divided(outline, spacing)
+    inside, triangles = filled(rim, spacing)
+    plan = np.concatenate([rim, inside])
+    x, y = casadi.SX.sym("x"), casadi.SX.sym("y")
+    heights = np.asarray(casadi.Function("height", [x, y], [parse(expression)(x, y)])(*plan.T[:, None])).ravel()
+    if not np.isfinite(heights).all():
+        bad = plan[np.argmin(np.isfinite(heights))]
+        raise InputError(
+            f"the target has no value at ({bad[0]:.10g}, {bad[1]:.10g})",
+            hint="Choose a smaller domain, or an expression that is defined all over it.",
+        )
+    return MeshTarget(np.column_stack([plan, heights]) - origin, triangles)
 
 
 class BetweenTarget(ParametricTarget):

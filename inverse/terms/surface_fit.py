@@ -12,6 +12,7 @@ from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.model import DesignModel
 from inverse.nlp.kernels import Elements, Kernel
+from inverse.origami import geometry
 from inverse.origami.pattern import B
 from inverse.terms.fitting import Fitting
 from inverse.terms.rim import rim_places
@@ -108,8 +109,15 @@ class SurfaceFitting(Fitting):
         return self.model.seed_points
 
     def distances(self, points: FloatArray) -> FloatArray:
-        """See :meth:`Fitting.distances`."""
-        return self.target.distances(mean_points(points, fit_vertices(self.model, self.fitted)))
+        """See :meth:`Fitting.distances`; of vertices of the model, or of its design, which may lack facets."""
+        if not len(self.model.left_out):
+            return self.target.distances(mean_points(points, fit_vertices(self.model, self.fitted)))
+        pattern, used = self.model.rest
+        points = points[used] if len(points) == self.model.pattern.n_vertices else points
+        if self.fitted == "facets":
+            return self.target.distances(geometry.facet_centroids(pattern, points))
+        (fitted,) = fit_vertices(self.model, self.fitted)
+        return self.target.distances(points[np.isin(used, fitted[:, 0])])
 
     def _feet(self, points: FloatArray) -> FloatArray:
         """Closest points of the target to points (N, 3) and their weights, as (N, 12), dimensionless."""

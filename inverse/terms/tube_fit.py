@@ -146,7 +146,7 @@ class TubeFitting(Fitting):
         centroids = ring_centroids(model.pattern, points)
         count = len(centroids)
         at, own = target.stations(centroids.mean(axis=1)), target.stations(centroids.reshape(-1, 3))
-        places = _fractions(model, ring_centroids(model.pattern, model.seed.vertices_coords).mean(axis=1))
+        places = ring_fractions(model, ring_centroids(model.pattern, model.seed.vertices_coords).mean(axis=1))
         lag = (at.fractions - places) * target.axis.length
         return np.column_stack(
             [
@@ -180,7 +180,7 @@ class TubeFitting(Fitting):
         points, rings = model.seed.vertices_coords, ring_centroids(model.pattern, model.seed.vertices_coords)
         centre, along = rings.mean(axis=(0, 1)), _direction(model)
         radius = np.sqrt(np.mean(np.sum(np.cross(rings - centre, along) ** 2, axis=2)))
-        t = _fractions(model, points)
+        t = ring_fractions(model, points)
         beside = points - centre
         beside = beside - (beside @ along)[:, None] * along
         tangents = target.axis.tangents(t)
@@ -219,7 +219,7 @@ def _direction(model: DesignModel) -> FloatArray:
     return geometry.unit(rings[-1] - rings[0])
 
 
-def _fractions(model: DesignModel, points: FloatArray) -> FloatArray:
+def ring_fractions(model: DesignModel, points: FloatArray) -> FloatArray:
     """Fractions (N,) of the seed's length beside which points (N, 3) lie."""
     along = _direction(model)
     first, last = (

@@ -339,7 +339,10 @@ class Coarser:
 
 
 def from_coarse(monkeypatch: pytest.MonkeyPatch, one: Policy, violation: float = 0.0) -> Any:
-    coarser = SimpleNamespace(goal=SimpleNamespace(model=SimpleNamespace(seed=None, points=lambda _: None)))
+    grid = SimpleNamespace(grid=(2, 2))
+    coarser = SimpleNamespace(
+        goal=SimpleNamespace(model=SimpleNamespace(seed=None, pattern=grid, points=lambda _: None))
+    )
     tasks = iter(["coarse", None])
     monkeypatch.setattr(steps.coarse, "coarsened", lambda _: next(tasks))
     monkeypatch.setattr(steps.coarse, "spread", lambda *_: "spread")

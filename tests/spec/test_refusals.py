@@ -49,7 +49,7 @@ UNKNOWN_KEYS = [
         "sector_angle: 60",
         "|sector_angel: 60",
         '"sector_angel" is no key of pattern: allowed are kind, size, u_lines, v_lines, sector_angle, '
-        "fold_state, lengths_u, lengths_v, turn, start_size. Did you mean sector_angle?",
+        "fold_state, lengths_u, lengths_v, turn, start_size, trim. Did you mean sector_angle?",
     ),
     (
         "domain:",
@@ -59,7 +59,7 @@ UNKNOWN_KEYS = [
     (
         "{height:",
         "{|hieght:",
-        f'"hieght" is no key of target: allowed are {TARGETS}, domain, implicit, profile, radius, rise. Did you',
+        f'"hieght" is no key of target: allowed are {TARGETS}, domain, implicit, profile, radius, rise, section. ',
     ),
     (
         "side: u0,",

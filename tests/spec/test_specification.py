@@ -62,6 +62,7 @@ def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
             "lengths_v": None,
             "turn": 0,
             "start_size": None,
+            "trim": "auto",
         },
         "context": None,
         "target": {"mesh": "a.obj"},
