@@ -54,6 +54,7 @@ bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, film
 bench-solving: $(STAMP) ## how often a solve succeeds, with and without IPOPT; strong bends, drags, footprints (an hour)
 	$(BIN)/python -m benchmarks.robustness
 	$(BIN)/python -m benchmarks.robustness --method nlopt
+	$(BIN)/python -m benchmarks.brief
 	$(BIN)/python -m benchmarks.strong
 	$(BIN)/python -m benchmarks.refine
 	$(BIN)/python -m benchmarks.footprint

@@ -12,10 +12,11 @@ from inverse.origami.pattern import Design
 from inverse.pictures import drawing
 from inverse.pictures.camera import basis, clear_view, perspective
 from inverse.pictures.rendering import render
-from inverse.pictures.scene import Scene, cells_of
+from inverse.pictures.scene import Caption, Scene, cells_of
 
 Surface = tuple[FloatArray, IntArray]
 _SIZE = (1920, 1440)
+_CAPTION = 28  # pixels, of its letters and below it
 
 
 def design_picture(
@@ -24,6 +25,7 @@ def design_picture(
     *,
     target: Surface | None = None,
     context: Surface | tuple[FloatArray, IntArray, IntArray] | None = None,
+    caption: str = "",
 ) -> None:
     """Write a PNG of the design state, seen from the side that shows most of it, lit from the upper left.
 
@@ -33,11 +35,15 @@ def design_picture(
         target: vertices (V, 3) and triangles (T, 3) of its target surface, drawn translucent.
         context: vertices and triangles of buildings around it; a third array, the building of each triangle, is
             not needed. Nearly level triangles are drawn as roofs.
+        caption: written below.
 
     Raises:
         RuntimeError: 3D pictures cannot be rendered here, see :func:`inverse.pictures.can_render`.
     """
-    render(design_scene(design, target, context[:2] if context is not None else None), path)
+    scene = design_scene(design, target, context[:2] if context is not None else None)
+    if caption:
+        scene.captions.append(Caption(caption, _SIZE[0] / 2, _CAPTION, _CAPTION))
+    render(scene, path)
 
 
 def design_scene(design: Design, target: Surface | None, context: Surface | None) -> Scene:

@@ -126,6 +126,14 @@ class Result:
         )
 
     @property
+    def caption(self) -> str:
+        """The verdicts in a few words, for pictures."""
+        missed = ", ".join(dict.fromkeys(one.name for one in self.asked if not one.met))
+        said = {"foldable": self.certified, "optimal": self.converged, "as asked": self.as_asked}
+        words = [f"{name}: {'yes' if is_so else 'NO'}" for name, is_so in said.items()]
+        return "   ".join(words) + (f" ({missed})" if missed else "")
+
+    @property
     def iterations(self) -> int:
         """Iterations of all runs."""
         return sum(attempt.iterations for attempt in self.attempts)

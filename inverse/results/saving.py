@@ -17,7 +17,6 @@ from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.files.atomic import json_text, write_atomically
 from inverse.origami.pattern import CFL, Design
-from inverse.pictures.design_state import Surface
 from inverse.repair.repairing import Repair
 from inverse.results.folder import NAMES, Results, unwritable
 from inverse.results.result import Result
@@ -123,8 +122,10 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
     began = time.perf_counter()
     try:
         new = results.filling()
-        target, context = (result.target, result.context) if isinstance(result, Result) else (None, None)
-        notes = _draw(result.design, target, context, new)
+        shown: dict[str, Any] = {}
+        if isinstance(result, Result):
+            shown = {"target": result.target, "context": result.context, "caption": result.caption}
+        notes = _draw(result.design, shown, new)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
         _write_json(new / "report.json", report | {"notes": [*report["notes"], *notes], "seconds": seconds})
         results.add()
@@ -133,7 +134,8 @@ def _add_pictures(result: Result | Repair, results: Results, report: dict[str, A
     return notes
 
 
-def _draw(design: Design, target: Surface | None, context: Surface | None, folder: Path) -> list[str]:
+def _draw(design: Design, shown: dict[str, Any], folder: Path) -> list[str]:
+    """Draw a design, with what of its surroundings and verdicts is to be shown."""
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
     if (design.pattern.edges_type == CFL).any():  # else the developed state has a single layer
         pictures.layers_picture(design, folder / "layers.svg")
@@ -141,7 +143,7 @@ def _draw(design: Design, target: Surface | None, context: Surface | None, folde
     if missing is not None:
         return [missing]
     try:
-        pictures.design_picture(design, folder / "design.png", target=target, context=context)
+        pictures.design_picture(design, folder / "design.png", **shown)
         pictures.states_picture(design, folder / "states.png")
     except RuntimeError as error:  # the process that draws was killed or took too long
         return [f"No 3D pictures: {error}"]
