@@ -67,12 +67,10 @@ def _table(loaded: Loaded, formulation: Formulation) -> list[str]:
     for k, anchor in enumerate(loaded.specification.constraints.anchors):
         names = anchor.side or "vertices"
         lines.append(f"anchor {k}: {names} on a {_kind(anchor)}, holds {_run(anchored.held[k])}")
-    whole = [wall for wall in anchored.walls if len(wall.vertices) == pattern.n_vertices]
     if anchored.walls:
-        part = (
-            f", {len(anchored.walls) - len(whole)} of them for parts only" if len(whole) < len(anchored.walls) else ""
-        )
-        lines.append(f"walls: {len(anchored.walls)}, behind which no vertex may be{part}")
+        parts = sum(len(wall.vertices) < pattern.n_vertices for wall in anchored.walls)
+        rest = f"; for {parts} of them this holds for the vertices beside it only" if parts else ""
+        lines.append(f"walls: {len(anchored.walls)}, behind which no vertex may be{rest}")
     return lines
 
 
@@ -168,6 +166,8 @@ class _Plan:
             if isinstance(place, Flat):
                 self._trace(page, place, ANCHORS[k % len(ANCHORS)], hatched=False)
         for wall in self.anchored.walls:
+            if len(wall.vertices) < self.seed.pattern.n_vertices:
+                continue  # it bounds what is beside it, and no line tells how far
             self._trace(page, wall.plane, BARRED, hatched=True)
 
     def _trace(self, page: Drawing, plane: Flat, colour: str, *, hatched: bool) -> None:

@@ -27,7 +27,7 @@ constraints:
   keep_out: [{plane: {point: [0, 1.9, 0], normal: [0, -1, 0]}}]
   anchors:
     - {side: u0, every: 2, to: {plane: {point: [-3, 0, 0], normal: [1, 0, 0]}}}
-    - {side: v0, to: {polyline: [[-3, -2, 0.7], [3, -2, 0.7]]}}
+    - {side: v0, every: 2, to: {polyline: [[-3, -2, 0.7], [3, -2, 0.7]]}}
     - {vertices: [17], to: {point: [0, 0, 1]}}
     - {vertices: [34], to: {circle: {center: [3, 2, 0.7], normal: [0, 0, 1], radius: 0.5}}}
 """
@@ -43,7 +43,7 @@ TABLE = [
     "side v0: vertices 0, 7, 14, 21, 28",
     "side v1: vertices 6, 13, 20, 27, 34",
     "anchor 0: u0 on a plane, holds 0, 2, 4, 6",
-    "anchor 1: v0 on a polyline, holds 0, 7, 14, 21, 28",
+    "anchor 1: v0 on a polyline, holds 0, 14, 28",
     "anchor 2: vertices on a point, holds 17",
     "anchor 3: vertices on a circle, holds 34",
     "walls: 1, behind which no vertex may be",

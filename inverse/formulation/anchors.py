@@ -10,10 +10,11 @@ import numpy as np
 from inverse import constraints
 from inverse._types import FloatArray, IntArray
 from inverse.formulation import sharing, walls
-from inverse.formulation.places import Flat, Path, Place, Ring, Spot, Straight
+from inverse.formulation.places import Flat, Path, Place, Ring, Spot, Straight, lies_on
 from inverse.formulation.walls import Wall
 from inverse.model import DesignModel
 from inverse.nlp.term import Constraint
+from inverse.origami.holes import boundary_loops
 from inverse.origami.pattern import Pattern
 from inverse.spec import Anchor, GridPattern, Loaded
 
@@ -105,6 +106,7 @@ def build(loaded: Loaded, model: DesignModel, origin: FloatArray) -> Anchored:
     tolerance = MEET * model.scale
     shared = sharing.shared(loaded, model, places, lines, tolerance)
     at, by = shared.at, shared.by
+    _check_folds(loaded, model.pattern, at, by)
     groups: dict[tuple[int, ...], list[int]] = {}
     for vertex, owners in by.items():
         groups.setdefault(owners, []).append(vertex)
@@ -168,6 +170,23 @@ def _lines(loaded: Loaded, k: int, anchor: Anchor, pattern: Pattern) -> list[Int
             f"{what} has the sides {own}; any pattern takes `vertices: [...]` instead.",
         )  # fmt: skip
     return [line[:: anchor.every] for line in sides[anchor.side]]
+
+
+def _check_folds(loaded: Loaded, pattern: Pattern, at: Mapping[int, Place], by: Mapping[int, tuple[int, ...]]) -> None:
+    """Refuse three neighbours on the rim that one straight line holds: no fold can start between them."""
+    degree = np.bincount(pattern.edges_vertices.ravel(), minlength=pattern.n_vertices)
+    for loop in boundary_loops(pattern):
+        for three in zip(loop, np.roll(loop, -1).tolist(), np.roll(loop, -2).tolist(), strict=True):
+            place = at.get(three[1])
+            if degree[three[1]] > 2 and isinstance(place, Path) and len(place.points) == 2:
+                on_it = [v in at and (at[v] is place or lies_on(at[v], place)) for v in three]
+                if all(on_it):
+                    raise loaded.source.error(
+                        ("constraints", "anchors", by[three[1]][0]),
+                        "vertices {}, {} and {} are held on one straight line: the facets between them would lie in "
+                        "one plane, without a fold".format(*sorted(three)),
+                        "Hold every second vertex with `every: 2`, or all of them on a plane.",
+                    )
 
 
 def sides_of(pattern: Pattern) -> dict[str, list[IntArray]]:

@@ -126,6 +126,16 @@ def lies_in(place: Place, plane: Flat, tolerance: float) -> bool:
     return bool(np.abs(_reach(place, plane)).max() <= tolerance)
 
 
+def lies_on(place: Place, line: Path) -> bool:
+    """Whether a place is a point of a segment (2, 3), or the same segment."""
+    if isinstance(place, Spot):
+        return bool(
+            np.linalg.norm(foot(line, place.at) - place.at)
+            <= PARALLEL * np.linalg.norm(line.points[1] - line.points[0])
+        )
+    return isinstance(place, Path) and _is_same(place, line)
+
+
 def is_above(place: Place, plane: Flat, tolerance: float) -> bool:
     """Whether no point of a place is below a plane."""
     return bool(_reach(place, plane)[0] >= -tolerance)

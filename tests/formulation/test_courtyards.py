@@ -164,6 +164,14 @@ def test_the_inner_corner_of_an_l_bounds_the_side_beside_it() -> None:
             "the seed lies on both sides of this anchor's place",
         ),
         (
+            [{"side": "v0", "to": EAVES["v0"]}],
+            "vertices 0, 9 and 18 are held on one straight line: the facets between them would lie in one plane",
+        ),
+        (
+            [{"side": side, "to": EAVES[side]} for side in EAVES],
+            r"vertices \d+, \d+ and \d+ are held on one straight line",
+        ),
+        (
             [{"vertices": [0], "to": {"plane": {"point": [0, 0, z], "normal": [0, 0, 1]}}} for z in (0, 1)],
             "vertex 0 cannot be here and where anchor 0 holds it, 1 m away",
         ),
@@ -189,12 +197,12 @@ def test_sides_that_do_not_meet_leave_the_corner_to_the_first() -> None:
 
 def test_a_vertex_named_by_its_number_goes_before_its_side() -> None:
     anchors = [
-        {"side": "u0", "to": EAVES["u0"]},
+        {"side": "u0", "to": {"polyline": [CORNERS[0], [-A, 0, HEIGHT + 0.2], CORNERS[3]]}},
         {"vertices": [3], "to": {"point": [-2, 0, 1.5]}},
         {"vertices": [4], "to": {"plane": {"point": [0, 0.2, 0], "normal": [0, 1, 0]}}},
     ]
     made = formulate(load(court({}, anchors=anchors)))
-    for vertex, expected in ((3, [-2, 0, 1.5]), (4, [-A, 0.2, HEIGHT])):
+    for vertex, expected in ((3, [-2, 0, 1.5]), (4, [-A, 0.2, HEIGHT + 0.18])):
         place = made.anchored.at[vertex]
         assert isinstance(place, Spot)
         assert_close(place.at, expected, 1e-12)
