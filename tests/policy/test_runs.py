@@ -223,7 +223,9 @@ def test_the_other_solver_takes_all_iterations_at_once(one: Round) -> None:
 # ---- constraints that contradict each other
 
 
-def contradictory(one: Round, monkeypatch: pytest.MonkeyPatch, *ends: tuple[float, bool], violation: float = 1.0) -> Any:
+def contradictory(
+    one: Round, monkeypatch: pytest.MonkeyPatch, *ends: tuple[float, bool], violation: float = 1.0
+) -> Any:
     """A round that does not come near, where the least violation is found in ``ends``: squared, and settled."""
     one.whole.ends = one.light.ends = {APPROACHING: (Ending.LIMIT, 1.01 * NEAR, 30)}
     left, starts = iter(ends), []
