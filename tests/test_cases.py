@@ -74,7 +74,7 @@ def test_outlines_are_followed(name: str, least: float, tmp_path: Path) -> None:
     points, faces = result.design.vertices_coords, result.design.pattern.faces_vertices
     within, beside = covered((points, triangles(faces)), result.target)
     assert within > least
-    assert beside < 0.08
+    assert beside < 0.12
     a, b = result.design.pattern.edges_vertices.T
     edges = np.linalg.norm(points[b] - points[a], axis=1)
     assert edges.max() < 3 * edges.min()  # no spikes

@@ -86,9 +86,12 @@ class Brief:
         fitting, points = self.formulation.goal.fitting, self.design.vertices_coords
         size, distances = geometry.diagonal(points), fitting.distances(points)
         rms, largest = float(np.sqrt(np.mean(distances**2))), float(distances.max())
-        what = {"rings": "rings of facets", "facets": "middles of facets", "vertices": "vertices"}.get(
-            fitting.points, "vertices of one layer"
-        )
+        what = {
+            "rings": "rings of facets",
+            "sections": "middles of facets and of edges along the tube",
+            "facets": "middles of facets",
+            "vertices": "vertices",
+        }.get(fitting.points, "vertices of one layer")
         advice = "Take more facets (pattern.size) or another pattern, or allow it: require.{}"
         return [
             at_most("fit", rms, self.require.fit or FIT * size, self._unit,
