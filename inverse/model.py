@@ -24,10 +24,12 @@ class DesignModel:
         seed: the placed seed; lengths and signs of folds are bounded relative to it.
         left_out: (k,) int, facets over holes of the target, with which the mesh is solved but which the design lacks:
             what is left moves as it does with them.
+        trimmed: whether the seed is a grid without the facets outside its target's outline.
     """
 
     seed: Design
     left_out: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
+    trimmed: bool = False
 
     @property
     def pattern(self) -> Pattern:

@@ -129,4 +129,9 @@ def build(
     seed = placement.place_grid(
         make, pattern.size, frame, lengths=lengths, turn=pattern.turn, start_size=pattern.start_size
     )
-    return DesignModel(seed) if outline is None else DesignModel(*outline.trim(seed))
+    return DesignModel(seed) if outline is None else _trimmed(seed, outline)
+
+
+def _trimmed(seed: Design, outline: Outline) -> DesignModel:
+    left, over_holes = outline.trim(seed)
+    return DesignModel(left, over_holes, trimmed=left is not seed)

@@ -12,21 +12,24 @@ from inverse.surfaces import Target
 BESIDE = 1e-3  # of the plan's smaller side: what lies farther beside it is outside
 
 
-def rim_places(seed: Design, target: Target, facets: IntArray, outward: float = 0.0) -> FloatArray:
+def rim_places(
+    seed: Design, target: Target, facets: IntArray, outward: float = 0.0, *, trimmed: bool = False
+) -> FloatArray:
     """Where the centroids of facets on the rim come to lie when the seed is spread over the target.
 
     In plan a steep end of a target is short, so that a place in plan says little about where on it a facet is to
     be. The rows of quads that begin at the rim are therefore laid along the target, and the first facet of a row gets
     the share of its length that it has in the seed. Other facets keep their place in plan.
 
-    A grid covers the rectangle around the target's plan. The rows of other networks end within a facet of its outline,
-    and are laid from outline to outline.
+    The rows of a grid that is trimmed to the target's outline end within a facet of it, and are laid from outline to
+    outline.
 
     Args:
         seed: the placed seed.
         target: the target.
         facets: (N,) int, facets on the rim.
         outward: length by which the first facet of a row lies nearer to the rim than so.
+        trimmed: whether the seed is such a trimmed grid.
 
     Returns:
         (N, 3) places on the target.
@@ -43,9 +46,9 @@ def rim_places(seed: Design, target: Target, facets: IntArray, outward: float = 
         share = half @ along / (along @ along)
         beside.append(half - share * along)  # corrugations put centroids beside the straight line
         shares.append(share)
-        lines.append(start + _along(len(row), is_grid=pattern.grid is not None)[:, None] * along)
+        lines.append(start + _along(len(row), trimmed=trimmed)[:, None] * along)
     places, count = np.zeros_like(centroids), np.zeros(len(centroids))
-    for row, line, share, off in zip(rows, _laid(target, lines, pattern), shares, beside, strict=True):
+    for row, line, share, off in zip(rows, _laid(target, lines, trimmed=trimmed), shares, beside, strict=True):
         if len(line) < 2:
             continue
         length = np.r_[0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum()]
@@ -56,21 +59,21 @@ def rim_places(seed: Design, target: Target, facets: IntArray, outward: float = 
     return np.asarray((places / np.maximum(count, 1)[:, None])[facets])
 
 
-def _along(count: int, *, is_grid: bool) -> FloatArray:
-    """Shares of the length of a row of facets at which it is laid on the target, for other networks beyond its ends."""
-    if is_grid:
+def _along(count: int, *, trimmed: bool) -> FloatArray:
+    """Shares of the length of a row of facets at which it is laid on the target, of a trimmed grid beyond its ends."""
+    if not trimmed:
         return np.linspace(0, 1, 8 * count + 1)
     return np.linspace(-1 / count, 1 + 1 / count, 32 * (count + 2) + 1)
 
 
-def _laid(target: Target, lines: list[FloatArray], pattern: Pattern) -> list[FloatArray]:
-    """Lines (N, 3) laid on the target; but for grids without what lies beside its plan."""
+def _laid(target: Target, lines: list[FloatArray], *, trimmed: bool) -> list[FloatArray]:
+    """Lines (N, 3) laid on the target; of a trimmed grid without what lies beside its plan."""
     if not lines:
         return []
     ends = np.cumsum([len(line) for line in lines])[:-1]
     whole = np.concatenate(lines)
     over = target.over_plan(whole)
-    if pattern.grid is not None:
+    if not trimmed:
         return np.split(over, ends)
     frame = target.frame
     beside = np.linalg.norm((over - whole) @ frame.axes[:2].T, axis=1)

@@ -93,7 +93,7 @@ class SurfaceFitting(Fitting):
             facets = np.array([f for f in rim if len(pattern.faces_vertices[f]) == sides], np.int64)
             group = np.array([pattern.faces_vertices[f] for f in facets], np.int64)
             outward = OUTWARD * model.scale * model.refinement
-            places = model.to_dimensionless(rim_places(model.seed, self.target, facets, outward))
+            places = model.to_dimensionless(rim_places(model.seed, self.target, facets, outward, trimmed=model.trimmed))
 
             def residual(q: casadi.SX, p: casadi.SX, k: int = sides) -> casadi.SX:
                 offset = (_mean(q, k) - p) / model.refinement
