@@ -42,6 +42,7 @@ constraints:
     - {side: u0, every: 2, to: {polyline: *west}}
     - {side: u1, every: 2, to: {polyline: *east}}
   keep_out: [{below: 2.4}]
+require: {coverage: 0.85}      # between the supports the zigzag rim stays open
 solver: {time_limit_s: 120}
 ```
 

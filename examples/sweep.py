@@ -34,7 +34,7 @@ def sweep(heights):
 
 
 if __name__ == "__main__":
-    rows = list(sweep([0.8, 0.9, 1.0, 1.1]))
+    rows = list(sweep([0.6, 0.7, 0.8, 0.9]))
     table = csv.DictWriter(sys.stdout, rows[0])
     table.writeheader()
     table.writerows(rows)

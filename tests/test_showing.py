@@ -35,7 +35,7 @@ TUBE = """\
 name: mast
 pattern: {kind: tube, size: [4, 6]}
 target: {axis: {polyline: [[0, 0, 0], [0, 0, 4]]}, radius: 1}
-constraints: {anchors: [{side: ends, to: {circle: {center: [0, 0, 0], normal: [0, 0, 1], radius: 1}}}]}
+constraints: {anchors: [{side: v0, to: {circle: {center: [0, 0, 0], normal: [0, 0, 1], radius: 1}}}]}
 """
 TABLE = [
     "side u0: vertices 0, 1, ... 6 (step 1)",
@@ -119,7 +119,7 @@ def test_tubes_and_patterns_of_files_are_drawn_too(tmp_path: Path) -> None:
     assert mast.table == [
         "side v0: vertices 0, 7, 14, 21",
         "side v1: vertices 6, 13, 20, 27",
-        "anchor 0: ends on a circle, holds 0, 6, 7, 13, 14, 20, 21, 27",
+        "anchor 0: v0 on a circle, holds 0, 7, 14, 21",
     ]
     inverse.write(holed(), tmp_path / "own.fold")
     (tmp_path / "own.yaml").write_text(

@@ -214,9 +214,7 @@ def test_keep_outs_are_kept(keep_out: dict[str, Any], height) -> None:
 def test_anchors_that_cannot_be_held_are_named() -> None:
     """Two neighbours a metre apart, five times as far as their edge may be long."""
     anchors = [{"vertices": [v], "to": {"point": [0.0, 0.0, float(v)]}} for v in (0, 1)]
-    with pytest.raises(
-        inverse.InputError, match=r"vertices 0 .*and 1 are held 1 m or more apart"
-    ):
+    with pytest.raises(inverse.InputError, match=r"vertices 0 .*and 1 are held 1 m or more apart"):
         inverse.solve(task(constraints={"anchors": anchors}))
 
 

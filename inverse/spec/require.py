@@ -43,10 +43,10 @@ class RequireKeys(Model):
         " sky or along the normal",
     )
     beyond: Share = Field(
-        default=0.12,
+        default=0.15,
         description="largest share of the mesh's area that lies outside the target's rim or over its holes",
     )
-    slenderness: Share = Field(default=0.06, description="least width of any facet, over its length")
+    slenderness: Share = Field(default=0.05, description="least width of any facet, over its length")
     motion: Annotated[Literal["either", "developed", "flat-folded", "both", "any"], word("motion", MOTIONS)] = Field(
         default="either",
         description="how far the motion is free of crossing facets: "

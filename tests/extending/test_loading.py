@@ -44,7 +44,7 @@ def run(*arguments: object) -> int:
 def spec(tmp_path: Path) -> Path:
     path = tmp_path / "dome.yaml"
     path.write_text(
-        "name: dome\npattern: {size: [4, 4]}\nobjectives: {low: 0.01}\n"
+        "name: dome\npattern: {size: [4, 4]}\nobjectives: {low: 0.01}\nrequire: {beyond: 1}\n"
         'target: {height: "0.45 - 0.3*(x^2 + y^2)", domain: [[-0.6, 0.6], [-0.6, 0.6]]}\n'
     )
     return path

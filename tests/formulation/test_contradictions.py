@@ -60,18 +60,18 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "lines too far apart": (
         {
             "anchors": [
-                {"side": "u0", "to": line([0, 0, 0], [9, 0, 0])},
-                {"side": "u1", "to": line([0, 99, 0], [9, 99, 0])},
+                {"side": "u0", "every": 2, "to": line([0, 0, 0], [9, 0, 0])},
+                {"side": "u1", "every": 2, "to": line([0, 99, 0], [9, 99, 0])},
             ]
         },
         "are held 99 m or more apart, but the edges between them are 54.4 m long at most",
     ),
     "an edge on a line that is too short": (
-        {"anchors": [{"vertices": [0, 1, 2], "to": line([0, 0, 0], [0.01, 0, 0])}]},
+        {"anchors": [{"vertices": [0, 1], "to": line([0, 0, 0], [0.01, 0, 0])}]},
         "are held 0.01 m or less apart, but the edge between them is 0.302 m long at least",
     ),
     "a line under a floor": (
-        {"keep_out": [{"below": 6}], "anchors": [{"side": "u0", "to": line([-6, -6, 5], [-6, 6, 5])}]},
+        {"keep_out": [{"below": 6}], "anchors": [{"side": "u0", "every": 2, "to": line([-6, -6, 5], [-6, 6, 5])}]},
         "constraints.anchors.0.to: this anchor's place is 1 m or more within constraints.keep_out.0",
     ),
     "a plane under a floor": (

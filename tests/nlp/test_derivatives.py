@@ -100,6 +100,7 @@ CONSTRAINTS: dict[str, Callable[[DesignModel], list[Constraint]]] = {
     "bars": lambda model: [constraints.bars(model, "bars", np.array([[0, 1], [0, 7]]))],
     "on_point": lambda model: [constraints.on_point(model, "on_point", FEW[:1], POINT)],
     "on_plane": lambda model: [constraints.on_plane(model, "on_plane", FEW, POINT, NORMAL)],
+    "on_line": lambda model: [constraints.on_line(model, "on_line", FEW, POINT, NORMAL)],
     "on_segment": on_segment,
     "on_circle": lambda model: [constraints.on_circle(model, "on_circle", FEW, POINT, NORMAL, 2.2)],
     "keep_out": lambda model: [constraints.keep_out(model, "keep_out", POINT, NORMAL)],

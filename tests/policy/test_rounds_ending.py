@@ -42,7 +42,7 @@ class At:
 
 def made(start: Any = None, *, exact: bool = False, kinks: bool = False, free_range: Any = None) -> Rounds:
     model = SimpleNamespace(
-        pattern=SimpleNamespace(faces_vertices=[[0, 1, 2]]), points=lambda x: x, design=lambda x: ("design", x)
+        pattern=SimpleNamespace(faces_vertices=[[0, 1, 2]]), points=lambda x: x, whole=lambda x: ("design", x)
     )
     fitting = SimpleNamespace(is_exact=exact, distances=lambda points: np.array([3.0, 4.0]) * (1 + points[0]))
     goal = SimpleNamespace(model=model, fitting=fitting, target=SimpleNamespace(has_kinks=kinks), seed_variables=SEED)
