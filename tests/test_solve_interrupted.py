@@ -197,12 +197,12 @@ def test_signals_at_any_moment(number: signal.Signals, tmp_path: Path) -> None:
 
 SIGNALLED = """\
 import os, signal, sys
-from inverse.cli import commands
+from inverse.cli import solve
 from inverse.policy import best
 def told(self, phase, progress):
     if progress.iteration == 6:
         os.kill(os.getpid(), signal.{name})
-commands._Watch.__call__ = told
+solve._Watch.__call__ = told
 within = best.BestSoFar._brought_within
 def twice(self, *given):
     if {twice}:

@@ -1,12 +1,19 @@
-"""Where the files of `inverse fold` and `inverse export` go."""
+"""What commands have in common: exit codes, where files go, and what is said of them and of a motion."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from inverse import interrupts
 from inverse.errors import InputError
 from inverse.files.atomic import write_together
+
+if TYPE_CHECKING:
+    from inverse.certify import Certificate
+
+DONE, NOT_DONE, WRONG_INPUT, INTERRUPTED = 0, 1, 2, interrupts.EXIT_CODE
 
 MOST_LINES = 8  # files that are told one by one
 # What `inverse export` and `inverse fold` make of a design beside it, where no other name is asked for.
@@ -95,3 +102,12 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
     except OSError as error:
         names = ", ".join(str(path) for path in files)
         raise InputError(f"{names} cannot be written: {error}", hint="Choose another -o.") from None
+
+
+def motion(certificate: Certificate) -> list[str]:
+    """How far a design folds before facets cross, and which ones do then."""
+    if certificate.free_range is None:
+        return []
+    low, high = certificate.free_range
+    found = [f"free of crossings from t = {low:g} to {high:g} degrees (0 developed, 90 the design, 180 flat-folded)"]
+    return found + [crossing.sentence for crossing in certificate.crossings]
