@@ -13,7 +13,7 @@ from inverse._types import FloatArray
 from inverse.brief import held, shape
 from inverse.brief.asked import Asked
 from inverse.brief.covering import Coverage, Surface, coverage
-from inverse.brief.samples import Samples, spread
+from inverse.brief.samples import spread
 from inverse.certify import Certificate
 from inverse.crossing import triangles_of
 from inverse.formulation.formulate import Formulation
@@ -102,8 +102,8 @@ class Brief:
 
     def _surface(self) -> list[Asked]:
         own, there = spread(*self._mesh), spread(*self._target)
-        off, worst = _largest(own, self._target)
-        missed, place = _largest(there, self._mesh)
+        off, worst = _largest(np.vstack([own.points, self._mesh[0]]), self._target)
+        missed, place = _largest(np.vstack([there.points, self._target[0][np.unique(self._target[1])]]), self._mesh)
         return [
             at_most("surface", off, self.require.surface or NEAR * self._facet, self._unit,
                     f"the mesh comes as far as {{}} from the target, near {self._place(worst)}",
@@ -174,11 +174,11 @@ class Brief:
         )
 
 
-def _largest(samples: Samples, surface: Surface) -> tuple[float, FloatArray]:
-    """The largest distance of samples from a surface, and which of them (3,) has it."""
-    distances = shape.distances(samples.points, surface)
+def _largest(points: FloatArray, surface: Surface) -> tuple[float, FloatArray]:
+    """The largest distance of points (N, 3) from a surface, and which of them (3,) has it."""
+    distances = shape.distances(points, surface)
     worst = int(np.argmax(distances))
-    return float(distances[worst]), samples.points[worst]
+    return float(distances[worst]), points[worst]
 
 
 def at_most(name: str, reached: float, asked: float, unit: str, text: str, advice: str) -> Asked:
