@@ -156,6 +156,7 @@ TASK = """\
 name: dome
 pattern: {size: [4, 4]}
 target: {height: "0.45 - 0.3*(x^2 + y^2)", domain: [[-1, 1], [-1, 1]]}
+require: {coverage: 0, beyond: 1}
 """
 PROGRAM = """\
 import sys
