@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import igl
 import numpy as np
 
 from inverse._types import FloatArray
@@ -26,6 +25,8 @@ def slenderness(pattern: Pattern, points: FloatArray) -> FloatArray:
 
 def distances(points: FloatArray, surface: Surface) -> FloatArray:
     """Distances (N,) of points (N, 3) from a surface, border included."""
+    import igl  # loaded when used: the package itself must import fast
+
     vertices, triangles = surface
     squares, _, _ = igl.point_mesh_squared_distance(np.ascontiguousarray(points), vertices, triangles)
     return np.asarray(np.sqrt(np.asarray(squares).ravel()))
