@@ -56,7 +56,7 @@ ARROWS: dict[str, set[str]] = {
         "objectives",
         "context",
     },
-    "brief": GROUND | {"origami", "certify", "spec", "formulation"},
+    "brief": GROUND | {"origami", "surfaces", "certify", "spec", "formulation"},
     "policy": GROUND | {"origami", "nlp", "files", "spec", "terms", "solvers", "formulation", "certify"},
     "results": GROUND
     | {

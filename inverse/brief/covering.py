@@ -7,12 +7,11 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from inverse._types import FloatArray, IntArray
 from inverse.brief.rays import met
 from inverse.brief.samples import Samples, spread
+from inverse.surfaces.sheet import connected
 
 SINGLE = 0.98  # of a roof's area in plan: what remains of it where parts that face down count against it
 STEEP = 0.3  # area in plan of a surface relative to its own, below which it is no roof but a wall
@@ -106,12 +105,7 @@ def _covered(samples: Samples, by: Surface, reach: float, *, roof: bool) -> NDAr
 
 def _parts(target: Surface, asked: Samples, over: NDArray[np.bool_], weights: FloatArray) -> list[Part]:
     """The components of a target."""
-    vertices, triangles = target
-    links = coo_array(
-        (np.ones(2 * len(triangles)), (triangles[:, :2].T.ravel(), triangles[:, 1:].T.ravel())),
-        shape=(len(vertices), len(vertices)),
-    )
-    component = connected_components(links, directed=False)[1][triangles[:, 0]][asked.triangles]
+    component = _components(target)[target[1][:, 0]][asked.triangles]
     found = []
     for one in np.unique(component).tolist():
         own = component == one
@@ -121,13 +115,24 @@ def _parts(target: Surface, asked: Samples, over: NDArray[np.bool_], weights: Fl
     return found
 
 
+def _components(surface: Surface) -> IntArray:
+    """Number of the component (V,) that each vertex belongs to; triangles that share a vertex are of one."""
+    vertices, triangles = surface
+    return connected(triangles[:, :2].T.ravel(), triangles[:, 1:].T.ravel(), len(vertices))
+
+
+def _edges(triangles: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+    """Sides of triangles (T, 3), (3T, 2) with the lower vertex first, and which of them (3T,) are on the border."""
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, place, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    return edges, count[place.ravel()] == 1
+
+
 def _inner_borders(target: Surface) -> list[IntArray]:
     """Closed borders of a surface by their vertices, but for the longest of every component."""
     vertices, triangles = target
-    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    ordered = np.sort(edges, axis=1)
-    _, place, count = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
-    border = ordered[count[place.ravel()] == 1]
+    edges, is_border = _edges(triangles)
+    border = edges[is_border]
     following: dict[int, list[int]] = {}
     for a, b in border.tolist():
         following.setdefault(a, []).append(b)
@@ -144,11 +149,7 @@ def _inner_borders(target: Surface) -> list[IntArray]:
         following = {a: some for a, some in following.items() if some}
         if len(ring) > 3 and ring[0] == ring[-1]:
             loops.append(np.array(ring[:-1]))
-    links = coo_array(
-        (np.ones(2 * len(triangles)), (triangles[:, :2].T.ravel(), triangles[:, 1:].T.ravel())),
-        shape=(len(vertices), len(vertices)),
-    )
-    component = connected_components(links, directed=False)[1]
+    component = _components(target)
     lengths = [float(np.linalg.norm(np.diff(vertices[np.r_[one, one[0]]], axis=0), axis=1).sum()) for one in loops]
     outer: dict[int, int] = {}
     for k, loop in enumerate(loops):
@@ -191,9 +192,7 @@ def _is_outside(points: FloatArray, target: Surface) -> NDArray[np.bool_]:
 
 def _are_on_border(feet: FloatArray, facet: IntArray, target: Surface) -> NDArray[np.bool_]:
     vertices, triangles = target
-    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    _, place, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    is_border = (count[place.ravel()] == 1).reshape(-1, 3)
+    is_border = _edges(triangles)[1].reshape(-1, 3)
     on = np.zeros(len(feet), np.bool_)
     for side in range(3):
         a, b = vertices[triangles[facet, side]], vertices[triangles[facet, (side + 1) % 3]]
