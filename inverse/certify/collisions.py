@@ -8,8 +8,8 @@ import numpy as np
 
 from inverse._types import FloatArray, IntArray
 from inverse.certify.certificate import Crossing, Measured
-from inverse.certify.motion import N_STATES, STATES_AT_ONCE, Motion
-from inverse.crossing import crossing_facets
+from inverse.certify.motion import N_STATES, Motion
+from inverse.crossing import crossing_facets, first_crossing
 
 RESOLUTION = 0.01  # degrees, to which the first crossing is located
 # In a flat state all layers lie in one plane, and whether they cross is undecidable. Facets that meet in an edge
@@ -45,27 +45,27 @@ def free_range(
     Returns:
         The range, and at each of its ends that is not a flat state what crosses there.
     """
-    outwards = np.linspace(90.0, 180.0, N_STATES // 2 + 1)[1:]
+    half = N_STATES // 2
+    outwards = np.linspace(90.0, 180.0, half + 1)[1:]
     outwards[-1] = 180.0 - NEAREST_TO_FLAT
-    of, tell = 2 * len(outwards), progress or (lambda done, of: None)
+    low, high = motion.sampled[half - 1 :: -1].copy(), motion.sampled[half + 1 :].copy()
+    low[-1], high[-1] = motion.vertices(np.radians([NEAREST_TO_FLAT / 2, 90.0 - NEAREST_TO_FLAT / 2]))
+    of, tell = 2 * half, progress or (lambda done, of: None)
     ends = (
-        _first(motion, 180.0 - outwards, lambda done: tell(done, of)),
-        _first(motion, outwards, lambda done: tell(of // 2 + done, of)),
+        _first(motion, 180.0 - outwards, low, lambda done: tell(done, of)),
+        _first(motion, outwards, high, lambda done: tell(half + done, of)),
     )
-    low, high = (flat if end is None else end.t for end, flat in zip(ends, (0.0, 180.0), strict=True))
-    return (low, high), tuple(end for end in ends if end is not None)
+    free = tuple(flat if end is None else end.t for end, flat in zip(ends, (0.0, 180.0), strict=True))
+    return (free[0], free[1]), tuple(end for end in ends if end is not None)
 
 
-def _first(motion: Motion, states: FloatArray, told: Callable[[int], None]) -> Crossing | None:
-    free, done = 90.0, 0
-    for some in np.array_split(states, range(STATES_AT_ONCE, len(states), STATES_AT_ONCE)):
-        for crossed, points in zip(some.tolist(), motion.vertices(np.radians(some / 2)), strict=True):
-            pairs = crossing_facets(points, motion.mesh.facets)
-            if len(pairs):
-                return _located(motion, free, crossed, pairs)
-            free, done = crossed, done + 1
-            told(done)
-    return None
+def _first(motion: Motion, states: FloatArray, vertices: FloatArray, told: Callable[[int], None]) -> Crossing | None:
+    """The first crossing in states (N,) in degrees, with vertices (N, V, 3), outwards from the design state."""
+    found = first_crossing(vertices, motion.mesh.facets, told)
+    if found is None:
+        return None
+    k, pairs = found
+    return _located(motion, 90.0 if k == 0 else float(states[k - 1]), float(states[k]), pairs)
 
 
 def _located(motion: Motion, free: float, crossed: float, pairs: IntArray) -> Crossing:

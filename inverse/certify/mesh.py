@@ -14,6 +14,23 @@ from inverse._types import IntArray
 
 
 @dataclass(frozen=True, eq=False)
+class Walk:
+    """Facets in the order of a tree, facet 0 first.
+
+    Attributes:
+        facets: (F,) int; the facets.
+        parents: (F - 1,) int; for every facet but the first the place of its parent in this list.
+        edges: (F - 1,) int; the edges between.
+        levels: where levels begin in this list, from the second one on, and its length.
+    """
+
+    facets: IntArray
+    parents: IntArray
+    edges: IntArray
+    levels: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """An oriented manifold surface in one piece, as half-edges: one per facet corner, facet after facet.
 
@@ -130,6 +147,18 @@ class Mesh:
             key = np.minimum(facets, parents) * n_facets + np.maximum(facets, parents)
             levels.append((facets, parents, self.inner[first[np.searchsorted(keys, key)]]))
         return tuple(levels)
+
+    @cached_property
+    def walk(self) -> Walk:
+        """The tree as one list of facets, level after level."""
+        count = len(self.facets)
+        levels = np.cumsum([0, 1, *(len(facets) for facets, _, _ in self.tree)])
+        facets = np.concatenate([[0], *(facets for facets, _, _ in self.tree)]).astype(np.int64)
+        place = np.empty(count, np.int64)
+        place[facets] = np.arange(count)
+        parents = np.concatenate([np.empty(0, np.int64), *(parents for _, parents, _ in self.tree)]).astype(np.int64)
+        edges = np.concatenate([np.empty(0, np.int64), *(edges for _, _, edges in self.tree)]).astype(np.int64)
+        return Walk(facets, place[parents], edges, tuple(levels[1:].tolist()))
 
     @cached_property
     def off_tree(self) -> IntArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from inverse.certify.measures import CFL
 from inverse.certify.mesh import Mesh
 
 N_STATES = 65  # equispaced over 0..180 degrees: both flat states and the design state are among them
-STATES_AT_ONCE = 16  # bounds the memory
+AT_ONCE = 2**17  # facets of all states that are placed together: bounds the memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,18 +73,24 @@ class Motion:
 
     def placements(self, theta: FloatArray) -> FloatArray:
         """Motion of every facet from its place in the design state, facet 0 held, (8, S, F)."""
-        placed = np.zeros((8, len(theta), len(self.mesh.facets)))
+        walk = self.mesh.walk
+        steps = dual.factors(self.hinges(theta, walk.edges, walk.facets[walk.parents]))
+        placed = np.zeros((8, len(theta), len(walk.facets)))
         placed[0, :, 0] = 1.0
-        for facets, parents, edges in self.mesh.tree:
-            placed[:, :, facets] = dual.multiply(placed[:, :, parents], self.hinges(theta, edges, parents))
-        return placed
+        for first, last in pairwise(walk.levels):
+            before = placed.take(walk.parents[first - 1 : last - 1], axis=2)
+            placed[:, :, first:last] = dual.times(before, steps[..., first - 1 : last - 1])
+        return placed.take(np.argsort(walk.facets), axis=2)
 
     def vertices(self, theta: FloatArray) -> FloatArray:
         """Vertices at the given states, (S, V, 3), each as the first facet that has it says."""
+        return self._vertices(self.placements(theta))
+
+    def _vertices(self, placed: FloatArray) -> FloatArray:
         owner = np.zeros(len(self.points), np.int64)
         owner[self.mesh.tail[::-1]] = self.mesh.facet[::-1]
-        placed = self.placements(theta)[:, :, owner]
-        return np.moveaxis(dual.move(placed, self.points.T[:, None, :]), 0, -1)
+        found = dual.move(placed.take(owner, axis=2), self.points.T[:, None, :])
+        return np.ascontiguousarray(np.moveaxis(found, 0, -1))
 
     def gap(self) -> Measured:
         """Largest distance by which two facets that share an edge disagree, in the unit of the points.
@@ -91,34 +98,44 @@ class Motion:
         Every edge that the facet tree does not cross is tested in every state, at all vertices of both
         facets: a wrong angle about the edge counts too.
         """
+        return self._sampled[0]
+
+    @property
+    def sampled(self) -> FloatArray:
+        """(N_STATES, V, 3): vertices in the states that the gap is measured in, as of :meth:`vertices`."""
+        return self._sampled[1]
+
+    @cached_property
+    def _sampled(self) -> tuple[Measured, FloatArray]:
+        """The gap and the vertices in all states, each facet placed once for both."""
         edges = self.mesh.off_tree
-        if not len(edges):
-            return 0.0, "no closed chain of facets"
-        worst, where = -1.0, ""
-        states = np.linspace(0.0, np.pi / 2, N_STATES)
-        for theta in np.array_split(states, range(STATES_AT_ONCE, N_STATES, STATES_AT_ONCE)):
-            gap = self._disagreement(theta, edges)
-            if not np.isfinite(gap).all():
-                return None, "the motion is not defined"
-            if gap.max() > worst:
+        worst, where = (-1.0, "") if len(edges) else (0.0, "no closed chain of facets")
+        states, some = np.linspace(0.0, np.pi / 2, N_STATES), max(AT_ONCE // len(self.mesh.facets), 1)
+        vertices, is_defined = [], True
+        for theta in np.array_split(states, range(some, N_STATES, some)):
+            placed = self.placements(theta)
+            vertices.append(self._vertices(placed))
+            gap = self._disagreement(theta, placed, edges)
+            is_defined = is_defined and bool(np.isfinite(gap).all())
+            if is_defined and gap.max(initial=-1.0) > worst:
                 state, edge = np.unravel_index(gap.argmax(), gap.shape)
                 worst = float(gap.max())
                 where = f"{self.mesh.name(edges[edge])} at t = {np.degrees(2 * theta[state]):.1f} degrees"
-        return worst, where
+        measured: Measured = (worst, where) if is_defined else (None, "the motion is not defined")
+        return measured, np.concatenate(vertices)
 
-    def _disagreement(self, theta: FloatArray, edges: IntArray) -> FloatArray:
-        """(S, N) for N edges off the tree."""
-        placed = self.placements(theta)
-        gap = np.zeros((len(theta), len(edges)))
+    def _disagreement(self, theta: FloatArray, placed: FloatArray, edges: IntArray) -> FloatArray:
+        """(S, N) for N edges off the tree, facets placed (8, S, F)."""
+        square = np.zeros((len(theta), len(edges)))
         sides = self.mesh.sides[edges]
         n_sides = np.diff(np.append(self.mesh.starts, len(self.mesh.tail)))
         for here, there in (sides.T, sides.T[::-1]):
             # Where the facet beyond the edge is, and where it should be, seen from this side.
-            found = placed[:, :, there]
-            expected = dual.multiply(placed[:, :, here], self.hinges(theta, edges, here))
-            for k in range(int(n_sides[there].max())):
+            found = dual.matrices(placed.take(there, axis=2))
+            expected = dual.matrices(dual.multiply(placed.take(here, axis=2), self.hinges(theta, edges, here)))
+            turn, shift = (a - b for a, b in zip(found, expected, strict=True))
+            for k in range(int(n_sides[there].max(initial=0))):
                 corner = self.mesh.tail[self.mesh.starts[there] + k % n_sides[there]]
-                probe = self.points[corner].T[:, None, :]
-                apart = dual.move(found, probe) - dual.move(expected, probe)
-                gap = np.maximum(gap, np.sqrt(np.sum(apart * apart, axis=0)))
-        return gap
+                apart = dual.placed(turn, shift, self.points[corner].T[:, None, :])
+                square = np.maximum(square, apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2])
+        return np.sqrt(square)

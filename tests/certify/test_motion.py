@@ -142,7 +142,7 @@ def test_gaps_are_those_of_all_vertices_of_facets_of_any_number_of_sides(make):
                 at = motion.points[v][:, None]
                 apart = np.linalg.norm(dual.move(placed[:, :, there], at) - dual.move(expected, at), axis=0)
                 np.maximum(gap, apart, out=gap)
-    np.testing.assert_allclose(motion._disagreement(theta, motion.mesh.off_tree), gaps, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(motion._disagreement(theta, placed, motion.mesh.off_tree), gaps, rtol=1e-9, atol=1e-15)
     assert motion.gap()[0] == pytest.approx(gaps.max(), rel=1e-9)
 
 

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from itertools import combinations
 
 import numpy as np
 
 from inverse._types import BoolArray, FloatArray, IntArray
-
-Faces = tuple[tuple[int, ...], ...]
+from inverse.crossing.neighbours import Faces, neighbours
 
 
 def triangles_of(faces_vertices: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray]:
@@ -39,25 +37,47 @@ def crossing_facets(points: FloatArray, faces_vertices: Sequence[Sequence[int]])
     Returns:
         (N, 2) int, each pair once, the smaller facet first.
     """
+    faces = tuple(map(tuple, faces_vertices))
+    scaled = below_one(points)
+    facets = _crossing_triangles(scaled, *_fans(faces))
+    known = neighbours(faces)
+    overlapping = np.concatenate([known.at_vertex[corners_cross(scaled, known.corners)], known.overlapping])
+    return np.asarray(np.unique(np.concatenate([facets, overlapping]), axis=0))
+
+
+def triangles_cross(points: FloatArray, faces: Faces, facets: IntArray) -> bool:
+    """Whether any of some facets (N,) cross each other; not looked at is what only one vertex in common says.
+
+    Args:
+        points: (V, 3) vertices, coordinates below 1.
+        faces: all facets.
+        facets: numbers of those that are looked at.
+    """
+    triangles, facet = _fans(faces)
+    own = np.isin(facet, facets)
+    return len(_crossing_triangles(points, triangles[own], facet[own])) > 0
+
+
+def _crossing_triangles(points: FloatArray, triangles: IntArray, facet: IntArray) -> IntArray:
+    """Pairs of facets (N, 2), some repeated, whose triangles (T, 3) cross, but for those with one common vertex."""
     import igl.predicates  # loaded when used: the package itself must import fast
 
-    faces = tuple(map(tuple, faces_vertices))
-    triangles, facet = _fans(faces)
-    # The predicates are exact unless products underflow. A power of two costs no digits, and that is all it takes:
-    # they work on differences, so that nothing need be centred.
-    _, exponent = np.frexp(np.abs(points).max(initial=0.0))
-    scaled = np.ascontiguousarray(np.ldexp(points, -exponent), np.float64)
-
-    _, pairs, _ = igl.predicates.find_self_intersections(scaled, triangles)
+    _, pairs, _ = igl.predicates.find_self_intersections(points, triangles)
     pairs = pairs.reshape(-1, 2)
     n_common = (triangles[pairs[:, 0], :, None] == triangles[pairs[:, 1], None, :]).sum(axis=(1, 2))
     facets = np.sort(facet[pairs[n_common != 1]], axis=1)
     # The two halves of one quad, planar to rounding only, may seem to cross along their diagonal.
-    facets = facets[facets[:, 0] != facets[:, 1]]
+    return np.asarray(facets[facets[:, 0] != facets[:, 1]])
 
-    corners, at_vertex, overlapping = _neighbours(faces)
-    overlapping = np.concatenate([at_vertex[_corners_cross(scaled, corners)], overlapping])
-    return np.asarray(np.unique(np.concatenate([facets, overlapping]), axis=0))
+
+def below_one(points: FloatArray) -> FloatArray:
+    """Points (..., 3) over the power of two that brings all coordinates below 1.
+
+    The predicates are exact unless products underflow. A power of two costs no digits, and that is all it takes: they
+    work on differences, so that nothing need be centred.
+    """
+    _, exponent = np.frexp(np.abs(points).max(initial=0.0))
+    return np.ascontiguousarray(np.ldexp(points, -exponent), np.float64)
 
 
 @lru_cache(maxsize=4)
@@ -65,45 +85,8 @@ def _fans(faces: Faces) -> tuple[IntArray, IntArray]:
     return triangles_of(faces)
 
 
-@lru_cache(maxsize=4)
-def _neighbours(faces: Faces) -> tuple[IntArray, IntArray, IntArray]:
-    """Facets with common vertices that are no neighbours across an edge.
-
-    Returns:
-        (N, 5) int: a vertex that is all that two facets have in common, the ends of the first facet's edges from
-        there and those of the second's.
-        (N, 2) int: these facets, the smaller one first.
-        (M, 2) int: facets with more in common than an edge. Convex ones overlap between these vertices.
-    """
-    facets_at: dict[int, list[int]] = {}
-    for f, face in enumerate(faces):
-        for v in face:
-            facets_at.setdefault(v, []).append(f)
-    common: dict[tuple[int, int], list[int]] = {}
-    for v, around in facets_at.items():
-        for f, g in combinations(around, 2):
-            common.setdefault((f, g), []).append(v)
-    corners, at_vertex, overlapping = [], [], []
-    for (f, g), vertices in common.items():
-        if len(vertices) == 1:
-            corners.append((vertices[0], *_beside(faces[f], vertices[0]), *_beside(faces[g], vertices[0])))
-            at_vertex.append((f, g))
-        elif len(vertices) > 2 or any(vertices[1] not in _beside(faces[k], vertices[0]) for k in (f, g)):
-            overlapping.append((f, g))
-    return (
-        np.array(corners, np.int64).reshape(-1, 5),
-        np.array(at_vertex, np.int64).reshape(-1, 2),
-        np.array(overlapping, np.int64).reshape(-1, 2),
-    )
-
-
-def _beside(face: tuple[int, ...], vertex: int) -> tuple[int, int]:
-    k = face.index(vertex)
-    return face[k - 1], face[(k + 1) % len(face)]
-
-
-def _corners_cross(points: FloatArray, corners: IntArray) -> BoolArray:
-    """Whether two facets with one common vertex share more than it, (N,) for corners (N, 5).
+def corners_cross(points: FloatArray, corners: IntArray) -> BoolArray:
+    """Whether two facets with one common vertex share more than it.
 
     Being convex they do if, and only if, their corners share a ray. With [a b c] for the determinant of three edges
     from the vertex, the planes of corners a, b and c, d meet in the line along
@@ -111,21 +94,34 @@ def _corners_cross(points: FloatArray, corners: IntArray) -> BoolArray:
         [a b d] c - [a b c] d = [c d a] b - [c d b] a.
 
     The left side lies in one corner, or opposite to it, where the two factors differ in sign, and so the right side.
+
+    Args:
+        points: (V, 3) vertices, coordinates below 1.
+        corners: (N, 5) the vertex, the ends a, b of the first facet's edges from there and c, d of the second's.
+
+    Returns:
+        (N,) bool.
     """
     import igl.predicates
 
-    vertex, a, b, c, d = (np.ascontiguousarray(points[column]) for column in corners.T)
     orient = igl.predicates.orient3d
-    cda, cdb = (np.ravel(orient(c, d, x, vertex)) for x in (a, b))
+    vertex, a, b, c, d = (points.take(column, axis=0) for column in corners.T)
     abc, abd = (np.ravel(orient(a, b, x, vertex)) for x in (c, d))
-    meet = np.zeros(len(corners), bool)
+    # Most corners lie on one side of the other's plane, and have no line in common.
+    meet = (abc != abd) | (abc == 0)
+    left = np.flatnonzero(meet)
+    vertex, a, b, c, d, abc, abd = (x.take(left, axis=0) for x in (vertex, a, b, c, d, abc, abd))
+    cda, cdb = (np.ravel(orient(c, d, x, vertex)) for x in (a, b))
+    both = np.zeros(len(left), bool)
     for sign in (1, -1):
-        meet |= (sign * cda >= 0) & (sign * cdb <= 0) & (sign * abc <= 0) & (sign * abd >= 0)
+        both |= (sign * cda >= 0) & (sign * cdb <= 0) & (sign * abc <= 0) & (sign * abd >= 0)
     # Where only two vanish, one corner has no area.
     in_plane = (cda == 0) & (cdb == 0) & (abc == 0) & (abd == 0)
-    meet &= in_plane | (((cda != 0) | (cdb != 0)) & ((abc != 0) | (abd != 0)))
-    meet[in_plane] = _flat_corners_cross(*(x[in_plane] for x in (vertex, a, b, c, d)))
-    return meet
+    both &= in_plane | (((cda != 0) | (cdb != 0)) & ((abc != 0) | (abd != 0)))
+    if in_plane.any():
+        both[in_plane] = _flat_corners_cross(*(x[in_plane] for x in (vertex, a, b, c, d)))
+    meet[left] = both
+    return np.asarray(meet)
 
 
 def _flat_corners_cross(vertex: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
