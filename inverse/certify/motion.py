@@ -15,7 +15,7 @@ from inverse.certify.measures import CFL
 from inverse.certify.mesh import Mesh
 
 N_STATES = 65  # equispaced over 0..180 degrees: both flat states and the design state are among them
-AT_ONCE = 2**17  # facets of all states that are placed together: bounds the memory
+AT_ONCE = 2**15  # facets of all states that are placed together: bounds the memory
 
 
 @dataclass(frozen=True, eq=False)

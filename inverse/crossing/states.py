@@ -12,7 +12,7 @@ from inverse.crossing.apart import doubtful_hinges, doubtful_pairs
 from inverse.crossing.exact import below_one, corners_cross, crossing_facets, triangles_cross
 from inverse.crossing.neighbours import Faces, neighbours
 
-AT_ONCE = 2**16  # facets of all states that are looked at together: bounds the memory
+AT_ONCE = 2**15  # facets of all states that are looked at together: bounds the memory
 
 
 def first_crossing(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,15 +13,16 @@ from inverse.origami import geometry
 from inverse.origami.pattern import Design
 from inverse.origami.trimming import in_one_piece, part_of
 from inverse.surfaces import Frame, Target
+from inverse.surfaces.base import SQUEEZE
 from inverse.surfaces.holes import HoledTarget
-from inverse.surfaces.mesh import MeshTarget
+from inverse.surfaces.mesh import without_repetitions
+from inverse.surfaces.nearest import Nearest
 from inverse.surfaces.sheet import borders_of
 
 FULL = 0.85  # share of its rectangle that a plan fills from which on the whole grid is used
 LOOKED_AT = 64  # places along each side of the rectangle where the plan is looked for
 PARALLEL = np.cos(np.radians(10.0))  # of a border that grid lines may run along
 LONG = 0.15  # of the rectangle's side: a border that a grid line is laid along
-SQUEEZE = 1e-4  # of heights, for what lies straight above or below to be closest
 LOST = 0.1  # share of the wanted facets that may hang on nothing
 
 
@@ -70,12 +72,24 @@ class Outline:
             plan: the places.
             filled: whether holes count as if they were filled.
         """
-        whole = self.target.filled if filled and isinstance(self.target, HoledTarget) else self.target
-        vertices, triangles = whole.triangles()
-        local = (vertices - self.frame.origin) @ self.frame.axes.T
-        flat = MeshTarget(local * [1, 1, SQUEEZE], triangles)
-        feet = flat.closest(np.column_stack([plan, np.zeros(len(plan))])).feet
+        flat = self._filled if filled and isinstance(self.target, HoledTarget) else self._flat
+        _, _, feet = flat.find(np.column_stack([plan, np.zeros(len(plan))]))
         return np.asarray(np.linalg.norm(feet[:, :2] - plan, axis=1) < 1e-3 * min(self.frame.extent))
+
+    @cached_property
+    def _flat(self) -> Nearest:
+        return self._flattened(self.target)
+
+    @cached_property
+    def _filled(self) -> Nearest:
+        assert isinstance(self.target, HoledTarget)  # nothing else is filled
+        return self._flattened(self.target.filled)
+
+    def _flattened(self, target: Target) -> Nearest:
+        vertices, triangles = target.triangles()
+        local = (vertices - self.frame.origin) @ self.frame.axes.T
+        vertices, triangles, _ = without_repetitions(local * SQUEEZE, triangles)
+        return Nearest(vertices, triangles)
 
     def _along_borders(self) -> Frame:
         """The rectangle turned so that as much of the border as can be runs along its sides."""

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
+from inverse.surfaces.nearest import Nearest
+
+SQUEEZE = np.array([1.0, 1.0, 1e-4])  # of the plan and of heights over it
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,18 +75,25 @@ class Target(ABC):
         """Distances (N,) of points (N, 3) from the surface, border included."""
         return np.asarray(np.linalg.norm(points - self.closest(points).feet, axis=1))
 
+    @cached_property
+    def nearest(self) -> Nearest:
+        """The triangulated surface, for closest points of it."""
+        return Nearest(*self.triangles())
+
     def over_plan(self, points: FloatArray) -> FloatArray:
         """Points (N, 3) of the triangulated surface over the same places of the plan, or nearest to them there."""
-        from inverse.surfaces.mesh import MeshTarget  # a mesh is a target itself
-
-        # Nearly flattened onto the plan, the closest point is the one straight above or below.
-        squeeze = 1e-4
         frame = self.frame
-        vertices, triangles = self.triangles()
-        scale = np.array([1.0, 1.0, squeeze])
-        flat = MeshTarget((vertices - frame.origin) @ frame.axes.T * scale, triangles)
-        feet = flat.closest((points - frame.origin) @ frame.axes.T * scale).feet
-        return np.asarray((feet / scale) @ frame.axes + frame.origin)
+        _, _, feet = self._flat.find((points - frame.origin) @ frame.axes.T * SQUEEZE)
+        return np.asarray((feet / SQUEEZE) @ frame.axes + frame.origin)
+
+    @cached_property
+    def _flat(self) -> Nearest:
+        """The surface nearly flattened onto its plan: what is closest there is straight above or below."""
+        from inverse.surfaces.mesh import without_repetitions  # a mesh is a target itself
+
+        frame, (vertices, triangles) = self.frame, self.triangles()
+        vertices, triangles, _ = without_repetitions((vertices - frame.origin) @ frame.axes.T * SQUEEZE, triangles)
+        return Nearest(vertices, triangles)
 
     def flattened(self, share: float) -> Target:
         """The surface with its heights over its plan lowered to a share of themselves, on the way from a flat seed.
@@ -102,6 +113,10 @@ class Target(ABC):
 
     def samples(self) -> tuple[FloatArray, FloatArray]:
         """Centroids (T, 3) of the surface's triangles and their areas (T,)."""
+        return self._parts
+
+    @cached_property
+    def _parts(self) -> tuple[FloatArray, FloatArray]:
         vertices, triangles = self.triangles()
         a, b, c = vertices[triangles].transpose(1, 0, 2)
         return (a + b + c) / 3, np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)

@@ -6,11 +6,73 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.files.meshes import Polygons, read_mesh_file
 from inverse.surfaces.base import ClosestPoints, Frame, Target
+from inverse.surfaces.edges import edges_of
+
+
+def without_repetitions(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """A mesh with repeated vertices merged (every STL has them), so that borders are found by their edges.
+
+    Args:
+        vertices: (V, 3).
+        triangles: (T, 3) int.
+
+    Returns:
+        Vertices, triangles without those that have no area, and unit normals (T, 3) of these.
+
+    Raises:
+        InputError: no triangles, numbers that are not finite, or no extent.
+    """
+    vertices = np.ascontiguousarray(vertices, np.float64)
+    triangles = np.ascontiguousarray(triangles, np.int64)
+    if len(triangles) == 0:
+        raise InputError("the target mesh has no facets")
+    if not np.isfinite(vertices[triangles]).all():
+        bad = int(triangles.ravel()[np.argmax(~np.isfinite(vertices[triangles]).all(axis=2).ravel())])
+        raise InputError(f"vertex {bad} of the target mesh is not finite: {vertices[bad].tolist()}")
+    used, number = _in_order(triangles, len(vertices))
+    places = vertices[used]
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    if size == 0:
+        raise InputError("the target mesh has no size: all its vertices coincide")
+    first, merged = _distinct(np.round((places - vertices[triangles.ravel()].mean(axis=0)) / (1e-9 * size)))
+    triangles = merged[number[triangles]]
+    a, b, c = places[first][triangles].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    area = np.linalg.norm(normals, axis=1)
+    keep = area > 1e-14 * size**2
+    if not keep.any():
+        raise InputError("the target mesh has no area: all its facets are degenerate")
+    return (
+        np.ascontiguousarray(places[first]),
+        np.ascontiguousarray(triangles[keep]),
+        np.asarray(normals[keep] / area[keep, None]),
+    )
+
+
+def _in_order(triangles: IntArray, count: int) -> tuple[IntArray, IntArray]:
+    """Vertices that triangles have, in the order in which these name them, and the place (count,) of each there."""
+    corners = triangles.ravel()
+    first = np.full(count, -1)
+    first[corners[::-1]] = np.arange(len(corners))[::-1]
+    used = corners[np.sort(first[first >= 0])]
+    number = np.full(count, -1)
+    number[used] = np.arange(len(used))
+    return used, number
+
+
+def _distinct(rows: FloatArray) -> tuple[IntArray, IntArray]:
+    """The first ones of equal rows (N, 3), in the order of their numbers, and which of them each row (N,) is."""
+    order = np.lexsort(rows.T[::-1])
+    new = np.r_[True, (np.diff(rows[order], axis=0) != 0).any(axis=1)]
+    merged = np.empty(len(rows), np.int64)
+    merged[order] = np.cumsum(new) - 1
+    return order[new], merged
 
 
 class MeshTarget(Target):
@@ -27,31 +89,7 @@ class MeshTarget(Target):
     has_kinks = True
 
     def __init__(self, vertices: FloatArray, triangles: IntArray) -> None:
-        vertices = np.ascontiguousarray(vertices, np.float64)
-        triangles = np.ascontiguousarray(triangles, np.int64)
-        if len(triangles) == 0:
-            raise InputError("the target mesh has no facets")
-        if not np.isfinite(vertices[triangles]).all():
-            bad = int(triangles.ravel()[np.argmax(~np.isfinite(vertices[triangles]).all(axis=2).ravel())])
-            raise InputError(f"vertex {bad} of the target mesh is not finite: {vertices[bad].tolist()}")
-        # Repeated vertices (every STL has them) are merged, so that borders are found by their edges.
-        used = vertices[triangles.ravel()]
-        size = float(np.linalg.norm(np.ptp(used, axis=0)))
-        if size == 0:
-            raise InputError("the target mesh has no size: all its vertices coincide")
-        _, first, merged = np.unique(
-            np.round((used - used.mean(axis=0)) / (1e-9 * size)), axis=0, return_index=True, return_inverse=True
-        )
-        triangles = merged.reshape(-1, 3).astype(np.int64)
-        a, b, c = used[first][triangles].transpose(1, 0, 2)
-        normals = np.cross(b - a, c - a)
-        area = np.linalg.norm(normals, axis=1)
-        keep = area > 1e-14 * size**2
-        if not keep.any():
-            raise InputError("the target mesh has no area: all its facets are degenerate")
-        self._vertices = np.ascontiguousarray(used[first])
-        self._triangles = np.ascontiguousarray(triangles[keep])
-        self._normals = normals[keep] / area[keep, None]
+        self._vertices, self._triangles, self._normals = without_repetitions(vertices, triangles)
 
     def moved(self, origin: FloatArray) -> MeshTarget:
         """See :meth:`Target.moved`."""
@@ -63,12 +101,7 @@ class MeshTarget(Target):
 
     def closest(self, points: FloatArray) -> ClosestPoints:
         """See :meth:`Target.closest`."""
-        import igl  # loaded when used: the package itself must import fast
-
-        _, facet, feet = igl.point_mesh_squared_distance(
-            np.ascontiguousarray(points, np.float64), self._vertices, self._triangles
-        )
-        facet, feet = np.asarray(facet).ravel(), np.asarray(feet).reshape(-1, 3)
+        _, facet, feet = self.nearest.find(points)
         normal = self._normals[facet]
         weights = normal[:, :, None] * normal[:, None, :]
         for k, edge in self._touched_borders(facet, feet).items():
@@ -81,24 +114,24 @@ class MeshTarget(Target):
     def _touched_borders(self, facet: IntArray, feet: FloatArray) -> dict[int, tuple[int, int]]:
         """Border edge on which a foot lies, by the number of the foot."""
         touched = {}
+        beside = np.flatnonzero(self._is_border[facet].any(axis=1))
+        facet, feet = facet[beside], feet[beside]
         corners = self._vertices[self._triangles[facet]]
         size = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
         for side in range(3):
             a, b = corners[:, side], corners[:, (side + 1) % 3]
             along = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
             distance = np.linalg.norm(np.cross(feet - a, along), axis=1)
-            for k in np.flatnonzero(distance < 1e-9 * size).tolist():
+            for k in np.flatnonzero((distance < 1e-9 * size) & self._is_border[facet, side]).tolist():
                 row = self._triangles[facet[k]]
-                edge = (int(row[side]), int(row[(side + 1) % 3]))
-                if frozenset(edge) in self._border:
-                    touched[k] = edge
+                touched[int(beside[k])] = int(row[side]), int(row[(side + 1) % 3])
         return touched
 
     @cached_property
-    def _border(self) -> set[frozenset[int]]:
-        edges = np.sort(self._triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        unique, count = np.unique(edges, axis=0, return_counts=True)
-        return {frozenset(e) for e in unique[count == 1].tolist()}
+    def _is_border(self) -> NDArray[np.bool_]:
+        """(T, 3): which sides of the triangles are on the border."""
+        edge, count = edges_of(self._triangles)
+        return np.asarray(count[edge] == 1)
 
     @cached_property
     def frame(self) -> Frame:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import casadi
@@ -71,8 +71,8 @@ class ParametricTarget(Target):
         Where these come to no foot, as they may where the surface has no slope, from the closest point of the
         triangles.
         """
-        parameters, samples = self._samples
-        q, value, is_foot = self._descended(parameters[cKDTree(samples).query(points)[1]], points)
+        parameters, _ = self._samples
+        q, value, is_foot = self._descended(parameters[self._tree.query(points)[1]], points)
         lost = np.flatnonzero(~is_foot)
         if len(lost):
             again, lower, _ = self._descended(self._on_triangles(points[lost]), points[lost])
@@ -124,19 +124,21 @@ class ParametricTarget(Target):
 
     def _on_triangles(self, points: FloatArray) -> FloatArray:
         """Parameters (N, 2) of the places on the triangles that are closest to points (N, 3)."""
-        import igl  # loaded when used: the package itself must import fast
-
         parameters, _ = self._samples
         vertices, triangles = self.triangles()
-        _, facet, feet = igl.point_mesh_squared_distance(np.ascontiguousarray(points), vertices, triangles)
-        corners = triangles[np.asarray(facet).ravel()]
+        _, facet, feet = self.nearest.find(points)
+        corners = triangles[facet]
         first = vertices[corners[:, 0]]
         sides = vertices[corners[:, 1:]] - first[:, None]
         # By the pseudo-inverse, since where the surface comes to a point triangles have no area.
-        shares = np.einsum("nk,nkj->nj", np.asarray(feet).reshape(-1, 3) - first, np.linalg.pinv(sides))
+        shares = np.einsum("nk,nkj->nj", feet - first, np.linalg.pinv(sides))
         own = parameters[corners]
         q = own[:, 0] + np.einsum("nj,njk->nk", shares, own[:, 1:] - own[:, :1])
         return np.asarray(np.clip(q, self.low, self.high))
+
+    @cached_property
+    def _tree(self) -> cKDTree:  # of the samples
+        return cKDTree(self._samples[1])
 
     @cached_property
     def _size(self) -> float:
@@ -170,10 +172,7 @@ class ParametricTarget(Target):
 
     def triangles(self) -> tuple[FloatArray, IntArray]:
         """See :meth:`Target.triangles`: two triangles per sample cell."""
-        n = SAMPLES + 1
-        first = (np.arange(SAMPLES)[:, None] * n + np.arange(SAMPLES)).ravel()
-        cells = np.stack([first, first + n, first + n + 1, first, first + n + 1, first + 1], axis=1)
-        return self._samples[1], cells.reshape(-1, 3)
+        return self._samples[1], _cells()
 
 
 class HeightTarget(ParametricTarget):
@@ -196,7 +195,7 @@ class HeightTarget(ParametricTarget):
         surface = casadi.Function("surface", [q], [casadi.vertcat(q, self.height(q[0], q[1]))])
         super().__init__(surface, np.array(domain, np.float64) - self._told_from[:, None])
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """The domain, at the mean height."""
         middle = (self.low + self.high) / 2
@@ -288,7 +287,7 @@ class BetweenTarget(ParametricTarget):
         swapped = casadi.Function("surface", [q], [surface(casadi.vertcat(q[1], q[0]))])
         super().__init__(swapped, ((0.0, 1.0), (0.0, 1.0)))
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """x across the span, y along the curves, z up."""
         (a0, a1), (b0, b1) = self._ends
@@ -305,6 +304,16 @@ class BetweenTarget(ParametricTarget):
         length = float(np.mean([abs((a1 - a0) @ y), abs((b1 - b0) @ y)]))
         points, areas = self.samples()
         return Frame(points.T @ areas / areas.sum(), np.stack([x, y, z]), (span, length))
+
+
+@lru_cache(maxsize=1)
+def _cells() -> IntArray:
+    """Triangles (T, 3) of the samples, the same for all surfaces."""
+    n = SAMPLES + 1
+    first = (np.arange(SAMPLES)[:, None] * n + np.arange(SAMPLES)).ravel()
+    cells = np.stack([first, first + n, first + n + 1, first, first + n + 1, first + 1], axis=1).reshape(-1, 3)
+    cells.setflags(write=False)
+    return cells
 
 
 def _are_finite(gradient: FloatArray, hessian: FloatArray) -> NDArray[np.bool_]:

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
+from inverse.surfaces.edges import edges_of
 from inverse.surfaces.mesh import MeshTarget
 
 NEAR = 0.5  # facets: parts nearer to each other than this are bridged without a trace
@@ -65,9 +66,9 @@ def borders_of(triangles: IntArray) -> Borders:
     """Parts and borders of triangles (T, 3)."""
     directed = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     owner = np.repeat(np.arange(len(triangles)), 3)
-    edges, number, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
-    number = number.ravel()
-    part = connected(owner, number + len(triangles), len(triangles) + len(edges))[: len(triangles)]
+    edge, count = edges_of(triangles)
+    number = edge.ravel()
+    part = connected(owner, number + len(triangles), len(triangles) + len(count))[: len(triangles)]
     part = np.unique(part, return_inverse=True)[1].ravel()
     rim = count[number] == 1
     border, border_part = directed[rim], part[owner[rim]]
@@ -83,13 +84,11 @@ def connected(one: IntArray, other: IntArray, count: int) -> IntArray:
 
 
 def _check_branches(vertices: FloatArray, triangles: IntArray) -> None:
-    edges, count = np.unique(
-        np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True
-    )
+    edge, count = edges_of(triangles)
     many = np.flatnonzero(count > 2)
     if len(many):
-        first = edges[many[np.argmax(count[many])]]
-        a, b = (place(vertices[k]) for k in first)
+        triangle, side = np.argwhere(edge == many[np.argmax(count[many])])[0]
+        a, b = (place(vertices[k]) for k in sorted((triangles[triangle, side], triangles[triangle, (side + 1) % 3])))
         raise InputError(
             f"{count[many].max()} facets of the target mesh meet at the edge from {a} to {b}, one of {len(many)} edges "
             "with more than two: a sheet does not branch",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
@@ -81,6 +83,7 @@ def _laid(target: Target, lines: list[FloatArray], *, trimmed: bool) -> list[Flo
     return [line[own] for line, own in zip(np.split(over, ends), np.split(inside, ends), strict=True)]
 
 
+@lru_cache(maxsize=2)
 def _rows(pattern: Pattern) -> list[list[int]]:
     """Facets met on walking inwards from every boundary edge, across opposite edges of quads."""
     rows = []
