@@ -12,8 +12,8 @@ import numpy as np
 from inverse._types import FloatArray
 from inverse.brief import held, shape
 from inverse.brief.asked import Asked
-from inverse.brief.covering import Coverage, Surface, coverage
-from inverse.brief.samples import spread
+from inverse.brief.covering import Coverage, Feet, coverage
+from inverse.brief.sheets import Sheet
 from inverse.certify import Certificate
 from inverse.crossing import triangles_of
 from inverse.formulation.formulate import Formulation
@@ -59,15 +59,21 @@ class Brief:
     @cached_property
     def coverage(self) -> Coverage:
         """What of the target the mesh covers."""
-        return coverage(self._target, self._mesh, NEAR * self._facet, has_holes=self.design.pattern.n_holes == 0)
+        has_holes = self.design.pattern.n_holes == 0
+        return coverage(self._target, self._mesh, NEAR * self._facet, has_holes=has_holes, feet=self._feet)
 
     @cached_property
-    def _target(self) -> Surface:
-        return self.formulation.goal.target.triangles()
+    def _target(self) -> Sheet:
+        return Sheet(self.formulation.goal.target.nearest)
 
     @cached_property
-    def _mesh(self) -> Surface:
-        return self.design.vertices_coords, triangles_of(self.design.pattern.faces_vertices)[0]
+    def _mesh(self) -> Sheet:
+        return Sheet.of(self.design.vertices_coords, triangles_of(self.design.pattern.faces_vertices)[0])
+
+    @cached_property
+    def _feet(self) -> Feet:
+        """Of the target what is closest to the samples of the mesh."""
+        return self._target.nearest.find(self._mesh.samples.points)
 
     @cached_property
     def _facet(self) -> float:
@@ -101,9 +107,11 @@ class Brief:
         ]  # fmt: skip
 
     def _surface(self) -> list[Asked]:
-        own, there = spread(*self._mesh), spread(*self._target)
-        off, worst = _largest(np.vstack([own.points, self._mesh[0]]), self._target)
-        missed, place = _largest(np.vstack([there.points, self._target[0][np.unique(self._target[1])]]), self._mesh)
+        own, there = self._mesh, self._target
+        squares = np.concatenate([self._feet[0], there.nearest.find(own.vertices)[0]])
+        off, worst = _largest(np.vstack([own.samples.points, own.vertices]), squares)
+        places = np.vstack([there.samples.points, there.vertices[np.unique(there.triangles)]])
+        missed, place = _largest(places, own.nearest.find(places)[0])
         return [
             at_most("surface", off, self.require.surface or NEAR * self._facet, self._unit,
                     f"the mesh comes as far as {{}} from the target, near {self._place(worst)}",
@@ -174,9 +182,9 @@ class Brief:
         )
 
 
-def _largest(points: FloatArray, surface: Surface) -> tuple[float, FloatArray]:
-    """The largest distance of points (N, 3) from a surface, and which of them (3,) has it."""
-    distances = shape.distances(points, surface)
+def _largest(points: FloatArray, squares: FloatArray) -> tuple[float, FloatArray]:
+    """The largest of squared distances (N,), its root, and which of points (N, 3) has it."""
+    distances = np.sqrt(squares)
     worst = int(np.argmax(distances))
     return float(distances[worst]), points[worst]
 

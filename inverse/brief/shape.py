@@ -1,11 +1,10 @@
-"""How even the facets of a mesh are, and how far its surface is from its target."""
+"""How even the facets of a mesh are, and how large."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from inverse._types import FloatArray
-from inverse.brief.covering import Surface
 from inverse.origami.pattern import Pattern
 
 
@@ -21,15 +20,6 @@ def slenderness(pattern: Pattern, points: FloatArray) -> FloatArray:
         heights = np.linalg.norm(np.cross(edges[:, :, None, :], offsets), axis=3).max(axis=2)
         found[facets] = heights.min(axis=1) / np.maximum(apart.max(axis=(1, 2)), 1e-300)
     return found
-
-
-def distances(points: FloatArray, surface: Surface) -> FloatArray:
-    """Distances (N,) of points (N, 3) from a surface, border included."""
-    import igl  # loaded when used: the package itself must import fast
-
-    vertices, triangles = surface
-    squares, _, _ = igl.point_mesh_squared_distance(np.ascontiguousarray(points), vertices, triangles)
-    return np.asarray(np.sqrt(np.asarray(squares).ravel()))
 
 
 def diameters(pattern: Pattern, points: FloatArray) -> FloatArray:

@@ -29,13 +29,29 @@ class Nearest:
         """Without the tree, which is built again where it is needed."""
         return {**self.__dict__, "_tree": None}
 
-    def find(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
-        """Squared distances (N,) of points (N, 3), the triangles (N,) that are closest and the places (N, 3) there."""
+    @property
+    def _built(self) -> igl.AABB:
         import igl  # loaded when used: the package itself must import fast
 
         if self._tree is None:
             self._tree = igl.AABB()
             self._tree.init(self.vertices, self.triangles)
+        return self._tree
+
+    def first_met(self, points: FloatArray, directions: FloatArray, reach: float) -> IntArray:
+        """Triangles (N,) that rays meet first, -1 where none is seen; of one that passes an edge none may be.
+
+        Args:
+            points: (N, 3) where they begin.
+            directions: (N, 3) unit vectors.
+            reach: how far they are followed.
+        """
+        given = (np.ascontiguousarray(k, np.float64) for k in (points, directions))
+        facet, _, _ = self._built.intersect_ray_first(self.vertices, self.triangles, *given, reach)
+        return np.asarray(facet).ravel()
+
+    def find(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
+        """Squared distances (N,) of points (N, 3), the triangles (N,) that are closest and the places (N, 3) there."""
         given = np.ascontiguousarray(points, np.float64)
-        squares, facet, feet = self._tree.squared_distance(self.vertices, self.triangles, given)
+        squares, facet, feet = self._built.squared_distance(self.vertices, self.triangles, given)
         return np.asarray(squares).ravel(), np.asarray(facet).ravel(), np.asarray(feet).reshape(-1, 3)

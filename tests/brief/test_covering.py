@@ -6,9 +6,19 @@ import numpy as np
 import pytest
 
 from inverse._types import FloatArray, IntArray
-from inverse.brief.covering import coverage, is_roof
+from inverse.brief import covering
+from inverse.brief.covering import Coverage
+from inverse.brief.sheets import Sheet
 
 Surface = tuple[FloatArray, IntArray]
+
+
+def coverage(target: Surface, mesh: Surface, reach: float, *, has_holes: bool = True) -> Coverage:
+    return covering.coverage(Sheet.of(*target), Sheet.of(*mesh), reach, has_holes=has_holes)
+
+
+def is_roof(target: Surface) -> bool:
+    return covering.is_roof(Sheet.of(*target))
 
 
 def rectangle(x: tuple[float, float], y: tuple[float, float], z: float = 0.0) -> Surface:

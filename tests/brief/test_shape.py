@@ -33,9 +33,3 @@ def test_a_rectangle_a_rhombus_and_a_triangle(scale: float) -> None:
         one: Any = SimplePattern([tuple(range(len(corners)))])
         assert shape.slenderness(one, points) == pytest.approx([wanted])
         assert shape.diameters(one, points) == pytest.approx([diameter * scale])
-
-
-def test_distances_are_those_of_the_nearest_place() -> None:
-    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]])
-    points = np.array([[0.5, 0.5, 2.0], [4, 1, 4], [0.2, 0.9, 0]])
-    assert shape.distances(points, square) == pytest.approx([2, 5, 0])
