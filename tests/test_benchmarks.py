@@ -83,3 +83,15 @@ def test_motion(tmp_path: Path) -> None:
     rows = json.loads(out.read_text())["rows"]
     assert [row["format"] for row in rows] == ["glb", "html"]
     assert all(row["seconds"] > 0 and row["bytes"] > 1000 for row in rows)
+
+
+@pytest.mark.slow
+def test_verdicts(tmp_path: Path) -> None:
+    out = tmp_path / "verdicts.json"
+    header, row = run(
+        "benchmarks.verdicts", "--sizes", "4", "--only-domes", "--repeats", "2", "--out", str(out)
+    ).splitlines()
+    assert header.split()[1:] == ["formulate", "certify", "brief", "fit", "footprint"]
+    assert row.startswith("dome 4 x 4")
+    times = json.loads(out.read_text())["rows"]["dome 4 x 4"]
+    assert all(0 < times["least_ms"][part] <= times["median_ms"][part] for part in header.split()[1:])

@@ -14,6 +14,7 @@ from inverse.origami.pattern import Design
 
 FLAT_STATES = {"developed": 0.0, "flat-folded": float(np.pi)}
 SKEW = np.array([1.0, 0.618, 0.271])  # across no axis that a design is likely to have
+BOUND = 1e-9  # by which rounding may raise a bound
 FLAT = 1e-9  # thickness, relative to the length, up to which a state has no hull in space
 
 
@@ -70,11 +71,27 @@ def _box(points: FloatArray) -> FloatArray:
         axes = np.vstack([_rectangle(corners @ across.T) @ across, normal])
         return float(np.prod(extents(corners, axes))), axes
 
+    def least(some: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Of some sides the first one with the smallest box, and its axes."""
+        # No box is smaller than what it holds seen along a side: the hull's area there, times how thick it is.
+        shadows = np.abs(some @ areas.T).sum(axis=1) / 2
+        bounds = shadows * np.ptp(corners @ some.T, axis=0) * (1 - BOUND)
+        found: list[tuple[float, int, FloatArray]] = []
+        smallest = np.inf
+        for k in np.argsort(bounds, kind="stable").tolist():
+            if bounds[k] > smallest:
+                break
+            volume, axes = on_side(some[k])
+            found.append((volume, k, axes))
+            smallest = min(smallest, volume)
+        _, k, axes = min(found, key=lambda box: box[:2])
+        return some[k], axes
+
+    a, b, c = points[hull.simplices].transpose(1, 0, 2)
+    areas = np.cross(b - a, c - a) / 2
     # A smooth hull has thousands of sides: a few degrees apart first, then those next to the best.
-    few = normals[np.unique(np.round(normals, 1), axis=0, return_index=True)[1]]
-    best = min(few, key=lambda normal: on_side(normal)[0])
-    near = normals[np.linalg.norm(normals - best, axis=1) < 0.1]
-    return min(map(on_side, near), key=lambda box: box[0])[1]
+    best, _ = least(normals[np.unique(np.round(normals, 1), axis=0, return_index=True)[1]])
+    return least(normals[np.linalg.norm(normals - best, axis=1) < 0.1])[1]
 
 
 def extents(points: FloatArray, axes: FloatArray) -> FloatArray:

@@ -22,6 +22,7 @@ from inverse.surfaces.polygon import checked, divided, filled
 SAMPLES = 96  # per direction: starts of the closest-point search, pictures, areas
 ACROSS = 64  # triangles across the longer side of a polygon
 FLAT = 1e-9  # of the squared slope: least curvature of the squared distance that steps are scaled by
+SETTLED_STEP, SHORT_STEP = 1e-15, 1e-8  # parts of the rectangle's side: last steps, for feet and for distances
 SETTLED = 1e-6  # a foot is where its point is seen straight above, to this angle in radians
 GAIN = 1e-9  # of the squared distance: by which another foot is to be nearer
 Profile = Literal["arc", "parabola", "catenary"]
@@ -71,17 +72,30 @@ class ParametricTarget(Target):
         Where these come to no foot, as they may where the surface has no slope, from the closest point of the
         triangles.
         """
-        parameters, _ = self._samples
-        q, value, is_foot = self._descended(parameters[self._tree.query(points)[1]], points)
-        lost = np.flatnonzero(~is_foot)
-        if len(lost):
-            again, lower, _ = self._descended(self._on_triangles(points[lost]), points[lost])
-            better = lower < (1 - GAIN) * value[lost]
-            q[lost[better]] = again[better]
+        q = self._nearest(points, SETTLED_STEP)
         return ClosestPoints(self.point(q), self._weights(q))
 
-    def _descended(self, q: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    def distances(self, points: FloatArray) -> FloatArray:
+        """See :meth:`Target.distances`: near a foot they change by the square of what it is off."""
+        return np.asarray(np.linalg.norm(points - self.point(self._nearest(points, SHORT_STEP)), axis=1))
+
+    def _nearest(self, points: FloatArray, least: float) -> FloatArray:
+        """Parameters (N, 2) of closest points, found by steps down to a least one."""
+        parameters, _ = self._samples
+        q, value, is_foot = self._descended(parameters[self._tree.query(points)[1]], points, least)
+        lost = np.flatnonzero(~is_foot)
+        if len(lost):
+            again, lower, _ = self._descended(self._on_triangles(points[lost]), points[lost], least)
+            better = lower < (1 - GAIN) * value[lost]
+            q[lost[better]] = again[better]
+        return q
+
+    def _descended(
+        self, q: FloatArray, points: FloatArray, least: float
+    ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
         """Newton steps from parameters (N, 2), each lowering the distance from its point (N, 3).
+
+        They end when none is longer than a least one, as a part of the rectangle's side.
 
         Returns:
             Parameters (N, 2), half the squared distances (N,) and whether (N,) they are stationary.
@@ -114,7 +128,7 @@ class ParametricTarget(Target):
             value = np.where(better, new_value, value)
             gradient = np.where(better[:, None], new_gradient, gradient)
             hessian = np.where(better[:, None, None], new_hessian, hessian)
-            if moved <= 1e-15 * np.abs(self.high - self.low).max():
+            if moved <= least * np.abs(self.high - self.low).max():
                 break
         held = ((q <= self.low) & (gradient > 0)) | ((q >= self.high) & (gradient < 0))
         left = np.abs(np.where(held, 0.0, gradient)).max(axis=1)

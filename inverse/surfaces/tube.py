@@ -88,7 +88,7 @@ class TubeTarget(Target):
             return np.asarray(np.linalg.norm(points - self._on_circle(points, t), axis=1))
 
         starts = np.linspace(0, 1, SEARCHED + 1)
-        near = np.argmin([gap(np.full(len(points), t)) for t in starts], axis=0)
+        near = np.argmin(self._gaps(points, starts), axis=0)
         low, high = starts[np.maximum(near - 1, 0)], starts[np.minimum(near + 1, SEARCHED)]
         golden = (np.sqrt(5) - 1) / 2
         for _ in range(40):
@@ -107,6 +107,13 @@ class TubeTarget(Target):
         border = np.eye(3) - around[:, :, None] * around[:, None, :]
         on_border = ((t <= 0) | (t >= 1))[:, None, None]
         return ClosestPoints(feet, np.where(on_border, border, normal[:, :, None] * normal[:, None, :]))
+
+    def _gaps(self, points: FloatArray, t: FloatArray) -> FloatArray:
+        """Distances (T, N) of points (N, 3) from the circles around the axis at fractions (T,)."""
+        offset = points - self.axis.at(t)[:, None]
+        along = np.einsum("tnk,tk->tn", offset, self.axis.tangents(t))
+        beside = np.sqrt(np.maximum(np.einsum("tnk,tnk->tn", offset, offset) - along**2, 0.0))
+        return np.asarray(np.hypot(along, beside - self.radii(t)[:, None]))
 
     def _on_circle(self, points: FloatArray, t: FloatArray) -> FloatArray:
         """Nearest places (N, 3) to points (N, 3) on the circles around the axis at fractions (N,)."""

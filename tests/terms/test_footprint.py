@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from designs import assert_close, best_motion, eggbox, hybrid, miura, perturbed, polygonal, rotation, tube
+from scipy.spatial import ConvexHull
 
 import inverse
 from inverse import constraints
@@ -293,3 +294,22 @@ def test_the_report_of_every_design() -> None:
     assert_close(one, [*footprint.measured(miura(1, 1), {"flat": 0.0})["flat"]["extents"], 0], 1e-9)
     # A regular Miura's design state lies in a box along its own axes.
     assert np.prod(box) <= np.prod(np.ptp(design.vertices_coords, axis=0)) * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_smallest_box_is_that_of_looking_at_every_side(seed):
+    random = np.random.default_rng(seed)
+    points = random.normal(size=(40, 3)) * random.uniform(0.2, 3, 3)
+    hull = ConvexHull(points)
+    volumes = []
+    for normal in hull.equations[:, :3]:
+        across = np.linalg.svd(normal[None])[2][1:]
+        flat = points @ across.T
+        sides = ConvexHull(flat).equations[:, :2]
+        along = np.column_stack([-sides[:, 1], sides[:, 0]])
+        area = (np.ptp(flat @ sides.T, axis=0) * np.ptp(flat @ along.T, axis=0)).min()
+        volumes.append(area * np.ptp(points @ normal))
+    # Only sides near the best of a few are looked at: of a hull this coarse, all that matter.
+    found = np.prod(footprint.extents(points, footprint.box_axes(points)))
+    assert found >= min(volumes) * (1 - 1e-9)
+    assert found <= 1.05 * min(volumes)
