@@ -8,6 +8,7 @@ vertex is a Miura or a Voss vertex as the types of its two lines say.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -84,6 +85,12 @@ def grid_pattern(size: tuple[int, int], u_lines: Word = "FL", v_lines: Word = "F
     """
     m, n = _size(size)
     u_types, v_types = _word(u_lines, m - 1, "u_lines"), _word(v_lines, n - 1, "v_lines")
+    return _grid_pattern(m, n, tuple(u_types), tuple(v_types))
+
+
+@lru_cache(maxsize=4)
+def _grid_pattern(m: int, n: int, u_types: tuple[int, ...], v_types: tuple[int, ...]) -> Pattern:
+    """The same, one object for all grids of these sizes and types: what is derived from it is derived once."""
     i, j = (k.ravel() for k in np.meshgrid(np.arange(m), np.arange(n), indexing="ij"))
     first = i * (n + 1) + j
     faces = np.stack([first, first + n + 1, first + n + 2, first + 1], axis=1)
