@@ -28,27 +28,31 @@ class LeastMove:
         order: (R,) int, an order of the rows in which the factors stay sparse, from an earlier Jacobian of the same
             sparsity; found anew if None.
 
+        cut_off: e, relative to the squares of the rows.
+
     Attributes:
         order: (R,) int, to be given to the next.
     """
 
-    def __init__(self, jacobian: sparse.csr_matrix, order: IntArray | None = None) -> None:
+    def __init__(self, jacobian: sparse.csr_matrix, order: IntArray | None = None, cut_off: float = CUT_OFF) -> None:
         given = np.arange(jacobian.shape[0]) if order is None else order
         # Rows of one size: beside a row with a thousandth of an edge in its denominator e would be less than rounding.
         sizes = np.maximum(np.sqrt(jacobian.multiply(jacobian).sum(axis=1)), np.finfo(float).tiny)
         self._scale = 1 / np.asarray(sizes).ravel()[given]
         self._given = given
         self._jacobian = (sparse.diags(self._scale) @ jacobian[given]).tocsr()
-        system = self._jacobian @ self._jacobian.T + CUT_OFF * sparse.identity(self._jacobian.shape[0])
+        system = self._jacobian @ self._jacobian.T + cut_off * sparse.identity(self._jacobian.shape[0])
         how = "MMD_AT_PLUS_A" if order is None else "NATURAL"
         self._factors = splu(system.tocsc(), permc_spec=how, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         self.order: IntArray = np.argsort(self._factors.perm_c) if order is None else order
 
     @classmethod
-    def of(cls, jacobian: sparse.csr_matrix, order: IntArray | None = None) -> LeastMove | None:
+    def of(
+        cls, jacobian: sparse.csr_matrix, order: IntArray | None = None, cut_off: float = CUT_OFF
+    ) -> LeastMove | None:
         """The least move, or None where the factors do not exist: a slope that is no number, a pivot of zero."""
         try:
-            return cls(jacobian, order)
+            return cls(jacobian, order, cut_off)
         except RuntimeError:  # SuperLU's word for both
             return None
 

@@ -11,6 +11,8 @@ from inverse.nlp.problem import Problem
 from inverse.solvers.holding import Holding
 from inverse.solvers.least_move import LeastMove
 
+# Of moves from far away towards where equations hold, one after the other: what only large moves would remove is left.
+CUT_OFFS = (1e-2, 1e-2)
 EXACT = 1e-15  # residual below which there is nothing to remove
 WITHIN = 1e-9  # by how much a bound may be exceeded before it is held like an equation
 ACTIVE = 1e-4  # of the largest multiplier: bounds that push by more than this are active
@@ -46,6 +48,30 @@ def polish(point: Point, *, steps: int = 8) -> Point:
             break
         at, order = at.moved(at.variables - least(residual)), least.order
     return best
+
+
+def brought_near(point: Point) -> Point:
+    """Move a point nearer to where the equations hold, from so far away that Newton's method would leap.
+
+    Args:
+        point: with equations off by a tenth and more.
+
+    Returns:
+        The point that the last move came to that left less of the residual; the given one if none did.
+    """
+    equations, lower = point.problem.equations, point.problem.lower
+    order = None
+    for cut_off in CUT_OFFS:
+        jacobian = point.jacobian  # first: it brings the rows along
+        residual = point.rows[equations] - lower[equations]
+        least = LeastMove.of(jacobian[equations], order, cut_off)
+        if least is None:
+            break
+        moved, order = point.moved(point.variables - least(residual)), least.order
+        if not np.linalg.norm(moved.rows[equations] - lower[equations]) < np.linalg.norm(residual):
+            break
+        point = moved
+    return point
 
 
 def balanced(point: Point) -> Point:
