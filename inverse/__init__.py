@@ -16,6 +16,7 @@ from inverse.solve import solve as solve
 
 if TYPE_CHECKING:
     from inverse.certify import Certificate as Certificate
+    from inverse.dragging import Drag as Drag
     from inverse.dragging import refine as refine
     from inverse.errors import InputError as InputError
     from inverse.files.fold_file import read as read
@@ -47,6 +48,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "Certificate": ("certify", "Certificate"),
     "Design": ("origami.pattern", "Design"),
+    "Drag": ("dragging", "Drag"),
     "InputError": ("errors", "InputError"),
     "Motion": ("origami.folding", "Motion"),
     "Pattern": ("origami.pattern", "Pattern"),

@@ -45,6 +45,78 @@ class Refined:
     steps: int
 
 
+class Drag:
+    """A design that is dragged move by move, as by a pointer: what moves have in common is made once.
+
+    Limits are those of :func:`refine`, of the design that it begins with.
+
+    Args:
+        design: to begin with; small errors of its own are removed.
+        pins: vertices that stay where they are.
+        bars: pairs of vertices that keep their distance.
+
+    Raises:
+        InputError: a pin or a bar of a vertex that is not there; a strip around a hole that opens already.
+    """
+
+    def __init__(self, design: Design, *, pins: Sequence[int] = (), bars: Sequence[tuple[int, int]] = ()) -> None:
+        n_vertices = design.pattern.n_vertices
+        self._pinned = _vertices(list(pins), "a pin", n_vertices)
+        ends = _vertices([v for bar in bars for v in bar], "a bar", n_vertices).reshape(-1, 2)
+        for a, b in ends.tolist():
+            if a == b:
+                raise InputError(f"a bar joins vertex {a} with itself")
+        self._model = model = DesignModel(design)
+        terms = [*constraints.hard_constraints(model, _limits(design)), *cylinder_loop.around_holes(model)]
+        if len(self._pinned):
+            terms.append(constraints.on_point(model, "pins", self._pinned, design.vertices_coords[self._pinned]))
+        if len(ends):
+            terms.append(constraints.bars(model, "bars", ends))
+        problem = Problem(model.n_variables, [], terms)
+        self._projection = Projection()
+        self._point = polish(Point(problem, model.seed_points.ravel(), problem.parameters()))
+
+    @property
+    def design(self) -> Design:
+        """The design as it is now; it satisfies all equations."""
+        return self._model.design(self._point.variables)
+
+    def move(
+        self,
+        move: Mapping[int, Sequence[float] | FloatArray] | FloatArray | None,
+        *,
+        reach: float | None = None,
+        steps: int = 1,
+    ) -> Refined:
+        """Move vertices from where they are now, as far as the constraints admit.
+
+        Args:
+            move: wished displacements, as of :func:`refine`.
+            reach: how far others follow, as of :func:`refine`.
+            steps: Euler steps that the way is cut into; one is enough for what a pointer moves at a time.
+
+        Returns:
+            The design that was reached, from where the next move goes on.
+
+        Raises:
+            InputError: a vertex that is not there, a displacement that is not finite or of another shape, no steps.
+        """
+        design = self.design
+        n_vertices = design.pattern.n_vertices
+        named, wished = _wished(move, n_vertices)
+        if steps < 1:
+            raise InputError(f"{steps} steps were given: at least 1 is needed")
+        goal = self._model.to_dimensionless(design.vertices_coords + wished)
+        done = 0
+        if len(named) and not np.isin(named, self._pinned).all():
+            follow = _followers(design, named, reach)
+            self._point, done = _dragged(design.pattern, self._projection, self._point, goal, named, follow, steps)
+        left = np.zeros(n_vertices)
+        reached = self._point.variables.reshape(-1, 3)
+        left[named] = np.linalg.norm(reached - goal, axis=1)[named] * self._model.scale
+        return Refined(self.design, left, self._point.violation, done)
+
+
 def refine(
     design: Design,
     move: Mapping[int, Sequence[float] | FloatArray] | FloatArray | None = None,
@@ -77,39 +149,19 @@ def refine(
         InputError: a vertex that is not there, a displacement that is not finite or of another shape, no steps; a
             strip around a hole that opens already.
     """
-    n_vertices = design.pattern.n_vertices
-    named, wished = _wished(move, n_vertices)
-    pinned = _vertices(list(pins), "a pin", n_vertices)
-    ends = _vertices([v for bar in bars for v in bar], "a bar", n_vertices).reshape(-1, 2)
-    for a, b in ends.tolist():
-        if a == b:
-            raise InputError(f"a bar joins vertex {a} with itself")
-    if steps < 1:
-        raise InputError(f"{steps} steps were given: at least 1 is needed")
-    model = DesignModel(design)
-    terms = [*constraints.hard_constraints(model, _limits(design)), *cylinder_loop.around_holes(model)]
-    if len(pinned):
-        terms.append(constraints.on_point(model, "pins", pinned, design.vertices_coords[pinned]))
-    if len(ends):
-        terms.append(constraints.bars(model, "bars", ends))
-    problem = Problem(model.n_variables, [], terms)
-    point = polish(Point(problem, model.seed_points.ravel(), problem.parameters()))
-    goal = model.seed_points + wished / model.scale
-    follow = _followers(design, named, reach)
-    done = 0
-    if len(named) and not np.isin(named, pinned).all():
-        point, done = _dragged(design.pattern, point, goal, named, follow, steps)
-        point = polish(point)
-    left = np.zeros(n_vertices)
-    left[named] = np.linalg.norm(point.variables.reshape(-1, 3) - goal, axis=1)[named] * model.scale
-    return Refined(model.design(point.variables), left, point.violation, done)
+    return Drag(design, pins=pins, bars=bars).move(move, reach=reach, steps=steps)
 
 
 def _dragged(
-    pattern: Pattern, at: Point, goal: FloatArray, named: IntArray, follow: FloatArray, steps: int
+    pattern: Pattern,
+    projection: Projection,
+    at: Point,
+    goal: FloatArray,
+    named: IntArray,
+    follow: FloatArray,
+    steps: int,
 ) -> tuple[Point, int]:
     """The point after the whole way, cut into steps, and the number of steps made."""
-    projection = Projection()
 
     def left(point: Point) -> FloatArray:
         return np.asarray((goal - point.variables.reshape(-1, 3))[named])

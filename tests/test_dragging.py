@@ -20,7 +20,8 @@ from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.origami.pattern import Design
-from inverse.solvers.projection import LeastMove, Projection, balanced
+from inverse.solvers.least_move import LeastMove
+from inverse.solvers.projection import Projection, balanced
 
 SHEETS = {"miura": miura, "eggbox": eggbox, "hybrid": lambda *_: hybrid(6)}
 
@@ -238,3 +239,42 @@ def test_what_goes_round_a_hole_stays_closed(make: Callable[[], Design]) -> None
     certificate = check_frame(frame_of(fold_file.document(found.design)))
     assert certificate.checks["loop_closure"].value < 1e-11
     assert certificate.certified
+
+
+# ---- move by move
+
+
+def test_moves_go_on_from_where_the_last_one_ended() -> None:
+    design = miura(8, 8)
+    size = geometry.diagonal(design.vertices_coords)
+    drag = inverse.Drag(design, pins=[80])
+    for _ in range(30):
+        found = drag.move({0: (0.001 * size, -0.002 * size, 0.003 * size)})
+        assert found.steps >= 1
+        assert found.remaining[0] < 1e-3 * size
+        assert found.residual < 1e-12
+        assert_close(drag.design.vertices_coords, found.design.vertices_coords, 0)
+    assert certified(drag.design)
+    after = drag.design.vertices_coords
+    way = np.array([0.001, -0.002, 0.003]) * size * 30
+    assert np.linalg.norm(after[0] - design.vertices_coords[0] - way) < 0.05 * np.linalg.norm(way)
+    assert_close(after[80], design.vertices_coords[80], 1e-11)
+    assert drag.move({80: (0.0, 0.0, 1.0)}).steps == 0  # pinned
+    assert drag.move(None).steps == 0
+
+
+def test_one_long_move_is_refining() -> None:
+    design = eggbox(6, 6)
+    way = {0: [0.0, 0.0, 0.8]}
+    assert_close(
+        inverse.Drag(design).move(way, steps=10).design.vertices_coords,
+        inverse.refine(design, way, steps=10).design.vertices_coords,
+        0,
+    )
+
+
+def test_a_drag_refuses_at_each_end() -> None:
+    with pytest.raises(inverse.InputError, match="a pin names vertex 25"):
+        inverse.Drag(miura(4, 4), pins=[25])
+    with pytest.raises(inverse.InputError, match="a move names vertex 99"):
+        inverse.Drag(miura(4, 4)).move({99: [0, 0, 1]})

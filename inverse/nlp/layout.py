@@ -58,6 +58,6 @@ class Layout:
         return casadi.reshape(vector[self._slices[elements.name]], elements.kernel.n_parameters, elements.count)
 
     @staticmethod
-    def linearized(vector: FloatArray) -> FloatArray:
-        """The same parameters with a Hessian that leaves the curvature of the constraints out."""
-        return np.append(vector[:-1], 0.0)
+    def linearized(vector: FloatArray, share: float = 0.0) -> FloatArray:
+        """The same parameters with a Hessian that leaves the curvature of the constraints out, but for a share."""
+        return np.append(vector[:-1], share)

@@ -52,7 +52,7 @@ class Point:
         """Constraint rows (R,)."""
         if "_linearized" in vars(self):
             return self._linearized[0]
-        return np.asarray(self.problem.functions["nlp"](self.variables, self.parameters)[1]).ravel()
+        return self.problem.evaluations.rows(self.variables, self.parameters)
 
     @property
     def jacobian(self) -> sparse.csr_matrix:
@@ -61,13 +61,11 @@ class Point:
 
     @cached_property
     def _linearized(self) -> tuple[FloatArray, sparse.csr_matrix]:
-        rows, jacobian = self.problem.functions["jac_g"](self.variables, self.parameters)
-        return np.asarray(rows).ravel(), jacobian.sparse().tocsr()
+        return self.problem.evaluations.linearized(self.variables, self.parameters)
 
     @cached_property
     def _slope(self) -> tuple[float, FloatArray]:
-        value, gradient = self.problem.functions["grad_f"](self.variables, self.parameters)
-        return float(value), np.asarray(gradient).ravel()
+        return self.problem.evaluations.slope(self.variables, self.parameters)
 
     @property
     def objective(self) -> float:

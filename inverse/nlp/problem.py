@@ -10,6 +10,7 @@ import casadi
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
+from inverse.nlp.evaluation import Evaluations
 from inverse.nlp.kernels import Elements, scatter
 from inverse.nlp.layout import Layout
 from inverse.nlp.term import Constraint, Objective
@@ -105,6 +106,11 @@ class Problem:
                 ["triu:hess:gamma:x:x"],
             ),
         }
+
+    @cached_property
+    def evaluations(self) -> Evaluations:
+        """The same for arrays."""
+        return Evaluations(self.functions)
 
     def _minimized(
         self, x: casadi.MX, p: casadi.MX, lam_f: casadi.MX, hessian: _Triplets

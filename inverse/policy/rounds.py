@@ -14,14 +14,15 @@ from inverse.formulation.formulate import Formulation
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
-from inverse.origami import folding
+from inverse.origami import folding, geometry
 from inverse.policy import verdict
 from inverse.policy.attempts import Attempt, attempt_of
-from inverse.policy.best import SEED, START
+from inverse.policy.best import COARSE, SEED, START
 from inverse.policy.control import Control
 from inverse.policy.runs import Runs
 from inverse.policy.strips import alike
 from inverse.solvers.ipopt import Ipopt
+from inverse.solvers.projection import brought_near
 from inverse.solvers.run import Ending, Run
 from inverse.solvers.slsqp import Slsqp
 from inverse.spec import SolverKeys
@@ -119,13 +120,14 @@ class Rounds:
         if self.control.stopped:  # before there was anything to do
             self.attempts.append(Attempt(self.step, self.method, Ending.GIVEN_UP))
             return self._best(at)
+        is_spread = start is not None and self.start_name == COARSE
         is_seed, following = start is None, _Following(goal, goal.model.points(at.variables))
         while True:
             seen.add(_segments(sliding))
             # The problem comes with closest points for the seed.
             at = at if is_seed else _refreshed(goal, at, following.aim)
-            run, rms = self._one_round(solver, at, is_seed=is_seed)
-            is_seed, at = False, run.end
+            run, rms = self._one_round(solver, at, is_seed=is_seed, is_spread=is_spread)
+            is_seed, is_spread, at = False, False, run.end
             points = goal.model.points(at.variables)
             following.seen(at, rms)
             fresh = _refreshed(goal, at, points)
@@ -159,16 +161,23 @@ class Rounds:
         if multipliers is not None and multipliers.size != problem.n_rows:
             multipliers = None  # of a task with other constraints
         at = seed.moved(start).pushed(multipliers)
+        if self.start_name == COARSE:
+            at = self._near(at)
         if at.not_a_number is None:
             best.begin(seed.variables, seed.objective, seed.violation, SEED)
             best.begin(at.variables, at.objective, at.violation, self.start_name)
         return at
 
-    def _one_round(self, solver: Ipopt | Slsqp, at: Point, *, is_seed: bool) -> tuple[Run, float]:
+    def _near(self, spread: Point) -> Point:
+        """A coarser grid's design moved to where the equations nearly hold, if its facets stay what they are."""
+        near, model = brought_near(spread), self.formulation.goal.model
+        return near if geometry.are_convex(model.pattern, model.points(near.variables)) else spread
+
+    def _one_round(self, solver: Ipopt | Slsqp, at: Point, *, is_seed: bool, is_spread: bool) -> tuple[Run, float]:
         """The last run of a round and the fit it came to; all runs are told."""
         self.runs.round += 1
         self.runs.may_contradict = all(len(anchor.polyline) == 2 for anchor in self.formulation.sliding)
-        runs = self.runs.one_round(solver, at, is_seed=is_seed)
+        runs = self.runs.one_round(solver, at, is_seed=is_seed, is_spread=is_spread)
         facets = len(self.formulation.goal.model.pattern.faces_vertices)
         told = [attempt_of(run, self.step, self.method, facets, self.runs.round) for run in runs]
         end = self._best(runs[-1].end) if self.control.stopped else runs[-1].end

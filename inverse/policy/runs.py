@@ -13,7 +13,7 @@ from inverse.policy import verdict
 from inverse.policy.best import BestSoFar
 from inverse.policy.control import Control
 from inverse.solvers.feasibility import least_violation
-from inverse.solvers.ipopt import APPROACHING, NEAR, STATIC, Ipopt
+from inverse.solvers.ipopt import APPROACHING, EASED, NEAR, STATIC, Ipopt
 from inverse.solvers.projection import polish
 from inverse.solvers.relaxation import LightIpopt, relaxed
 from inverse.solvers.run import Ending, Progress, Run
@@ -66,7 +66,7 @@ class Runs:
         steepness = verdict.gradient_scale(problem, self.goal)
         return Slsqp(problem, self.options.tolerance, steepness, self._report)
 
-    def one_round(self, solver: Ipopt | Slsqp, start: Point, *, is_seed: bool) -> list[Run]:
+    def one_round(self, solver: Ipopt | Slsqp, start: Point, *, is_seed: bool, is_spread: bool = False) -> list[Run]:
         """One round: come near, then fast steps; where they stall, exact ones from the point that they reached.
 
         A start that is the answer already stays as it is: solvers would leave it to come back. From a good start bounds
@@ -76,6 +76,7 @@ class Runs:
             solver: of the start's problem.
             start: where, with the multipliers of the round before, if any.
             is_seed: whether the start is the seed.
+            is_spread: whether it is a coarser grid's design.
 
         Returns:
             All runs; where the last one ended the round ends.
@@ -86,14 +87,16 @@ class Runs:
         if isinstance(solver, Slsqp):
             return [solver.run(start, limit)]
         runs: list[Run] = []
-        at, methods = start, _methods(start)
+        at, methods = start, _methods(start, is_spread)
         light = None if is_seed or not methods else self._light(start)
         for method in methods:
             near = None
             for one in (light, solver) if light else (solver,):
                 left = limit - sum(run.iterations for run in runs)
                 if method == APPROACHING:
-                    run = one.approach(at, left, is_good=not is_seed)
+                    run = one.approach(at, left, is_good=not is_seed, is_spread=is_spread)
+                elif method == EASED:
+                    run = one.ease(at, left)
                 else:
                     run = one.run(at, left, careful=False)
                 runs.append(run)
@@ -170,9 +173,11 @@ class Runs:
         return self.control.tell(f"{facets} facets, round {self.round}", progress)
 
 
-def _methods(start: Point) -> tuple[str, ...]:
+def _methods(start: Point, is_spread: bool) -> tuple[str, ...]:
     """What is tried before exact steps."""
     if start.problem.has_passive_variables:
         # Static pivots come near there, but not to the end; linearized, packed states fly about.
         return (STATIC,) if start.multipliers is None else ()
-    return (APPROACHING, STATIC) if start.multipliers is None else (STATIC,)
+    if start.multipliers is not None:
+        return (STATIC,)
+    return (APPROACHING, EASED, STATIC) if is_spread else (APPROACHING, STATIC)

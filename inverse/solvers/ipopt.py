@@ -52,7 +52,14 @@ NEAR = 1e-2  # ... but not while a violation is larger than this; from there on 
 SETTLED_CLOSE = 1e-3
 APPROACH_CLOSE = 100
 
+# From a coarser grid's design the first steps leave little to gain, and Newton's method would still be far from where
+# the Lagrangian is convex: more of them are made, then some with a part of the constraints' curvature, each until the
+# objective changes by less than these fractions, or so many.
+SETTLED_SPREAD, APPROACH_SPREAD = 0.005, 20
+PART, SETTLED_IN_PART, STEPS_IN_PART = 0.7, 0.002, 20
+
 APPROACHING, STATIC, PIVOTED = "linearized constraints", "static pivots", "pivoting"  # methods, for the report
+EASED = "part of the constraints' curvature"
 
 NO_ROWS: IntArray = np.empty(0, np.int64)
 
@@ -174,22 +181,39 @@ class Ipopt:
             self._solvers[warm, careful] = casadi.nlpsol("design", "ipopt", functions["nlp"], options)
         return self._solvers[warm, careful]
 
-    def approach(self, start: Point, limit: int, *, is_good: bool) -> Run:
+    def approach(self, start: Point, limit: int, *, is_good: bool, is_spread: bool = False) -> Run:
         """Come near a solution with the constraints taken as linear in the Hessian.
 
         Args:
             start: where.
             limit: iterations.
             is_good: whether the start comes from a solution; it is not pushed off the bounds then.
+            is_spread: whether that solution is a coarser grid's.
 
         Raises:
             BaseException: what the report function raised.
         """
         close = self._problem.has_redundant_equations
-        self._watch.begin(min(APPROACH_CLOSE if close else APPROACH, limit), SETTLED_CLOSE if close else SETTLED)
+        near = (APPROACH_SPREAD, SETTLED_SPREAD) if is_spread else (APPROACH, SETTLED)
+        steps, settled = (APPROACH_CLOSE, SETTLED_CLOSE) if close else near
+        self._watch.begin(min(steps, limit), settled)
         linear = start.given(Layout.linearized(start.parameters))
         warm = linear.pushed(np.zeros(self._problem.n_rows) if is_good else None)
         return self._run(warm, start.parameters, NO_ROWS, APPROACHING, careful=False)
+
+    def ease(self, start: Point, limit: int) -> Run:
+        """Come nearer with a part of the constraints' curvature, with which the Lagrangian is convex sooner.
+
+        Args:
+            start: where an approach ended.
+            limit: iterations.
+
+        Raises:
+            BaseException: what the report function raised.
+        """
+        self._watch.begin(min(STEPS_IN_PART, limit), SETTLED_IN_PART)
+        eased = start.given(Layout.linearized(start.parameters, PART))
+        return self._run(eased, start.parameters, redundant(start), EASED, careful=False)
 
     def run(self, start: Point, limit: int, *, careful: bool) -> Run:
         """Solve from a start, warm where it has multipliers; of equations that repeat each other only independent ones.

@@ -3,69 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse.linalg import splu
 
 from inverse._types import FloatArray, IntArray
+from inverse.nlp.part import Part
 from inverse.nlp.point import Point
+from inverse.nlp.problem import Problem
+from inverse.solvers.holding import Holding
+from inverse.solvers.least_move import LeastMove
 
-CUT_OFF = 1e-13  # squared: directions in which no row changes by more than 3e-7 of a move are left alone
+# Of moves from far away towards where equations hold, one after the other: what only large moves would remove is left.
+CUT_OFFS = (1e-2, 1e-2)
 EXACT = 1e-15  # residual below which there is nothing to remove
-ENOUGH = 1e-13  # residual at which a step's Newton corrections end
 WITHIN = 1e-9  # by how much a bound may be exceeded before it is held like an equation
 ACTIVE = 1e-4  # of the largest multiplier: bounds that push by more than this are active
-STUCK = 0.9  # corrections that leave more of the residual than this need new factors, or are at its rounding
-CHORDS = 16  # Newton corrections with the same factors, which cost less than making the factors anew once
-
-
-class LeastMove:
-    """The least move that changes the rows of a Jacobian by given amounts: J^T (J J^T + e I)^-1 applied to them.
-
-    J J^T is positive definite on disks (math of section 2: full row rank). The tiny e is the cut-off that keeps
-    redundant equations (tubes, anchors that repeat each other) solvable, and costs nothing, since Newton's next step
-    takes care of it. A positive definite matrix is factorized in a symmetric order without pivoting, four times
-    faster than the system of moves and multipliers together.
-
-    Made by :meth:`of`, which knows of Jacobians that have no factors.
-
-    Args:
-        jacobian: (R, n) J.
-        order: (R,) int, an order of the rows in which the factors stay sparse, from an earlier Jacobian of the same
-            sparsity; found anew if None.
-
-    Attributes:
-        order: (R,) int, to be given to the next.
-    """
-
-    def __init__(self, jacobian: sparse.csr_matrix, order: IntArray | None = None) -> None:
-        given = np.arange(jacobian.shape[0]) if order is None else order
-        # Rows of one size: beside a row with a thousandth of an edge in its denominator e would be less than rounding.
-        sizes = np.maximum(np.sqrt(jacobian.multiply(jacobian).sum(axis=1)), np.finfo(float).tiny)
-        self._scale = 1 / np.asarray(sizes).ravel()[given]
-        self._given = given
-        self._jacobian = (sparse.diags(self._scale) @ jacobian[given]).tocsr()
-        system = self._jacobian @ self._jacobian.T + CUT_OFF * sparse.identity(self._jacobian.shape[0])
-        how = "MMD_AT_PLUS_A" if order is None else "NATURAL"
-        self._factors = splu(system.tocsc(), permc_spec=how, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        self.order: IntArray = np.argsort(self._factors.perm_c) if order is None else order
-
-    @classmethod
-    def of(cls, jacobian: sparse.csr_matrix, order: IntArray | None = None) -> LeastMove | None:
-        """The least move, or None where the factors do not exist: a slope that is no number, a pivot of zero."""
-        try:
-            return cls(jacobian, order)
-        except RuntimeError:  # SuperLU's word for both
-            return None
-
-    def multipliers(self, gradient: FloatArray) -> FloatArray:
-        """Multipliers (R,) with which the rows come nearest to balancing a gradient (n,)."""
-        balance = np.empty_like(self._scale)
-        balance[self._given] = self._scale * self._factors.solve(-(self._jacobian @ gradient))
-        return balance
-
-    def __call__(self, change: FloatArray) -> FloatArray:
-        """The move (n,) that changes the rows by ``change`` (R,)."""
-        return np.asarray(self._jacobian.T @ self._factors.solve(self._scale * change[self._given]))
 
 
 def polish(point: Point, *, steps: int = 8) -> Point:
@@ -100,6 +50,30 @@ def polish(point: Point, *, steps: int = 8) -> Point:
     return best
 
 
+def brought_near(point: Point) -> Point:
+    """Move a point nearer to where the equations hold, from so far away that Newton's method would leap.
+
+    Args:
+        point: with equations off by a tenth and more.
+
+    Returns:
+        The point that the last move came to that left less of the residual; the given one if none did.
+    """
+    equations, lower = point.problem.equations, point.problem.lower
+    order = None
+    for cut_off in CUT_OFFS:
+        jacobian = point.jacobian  # first: it brings the rows along
+        residual = point.rows[equations] - lower[equations]
+        least = LeastMove.of(jacobian[equations], order, cut_off)
+        if least is None:
+            break
+        moved, order = point.moved(point.variables - least(residual)), least.order
+        if not np.linalg.norm(moved.rows[equations] - lower[equations]) < np.linalg.norm(residual):
+            break
+        point = moved
+    return point
+
+
 def balanced(point: Point) -> Point:
     """A polished point with multipliers that fit it: the least change of those it has that balances the gradient.
 
@@ -122,11 +96,19 @@ def balanced(point: Point) -> Point:
 class Projection:
     """Moves within the constraints of one problem, one after the other, as a drag makes them.
 
-    Its equations hold after every move, and its inequalities too.
+    Its equations hold after every move, and its inequalities too. Factors are kept from one move to the next, see
+    :class:`inverse.solvers.holding.Holding`.
     """
 
     def __init__(self) -> None:
-        self._order: IntArray | None = None
+        self._problem: Problem | None = None
+        self._equations: Holding | None = None
+        self._with_bounds: tuple[IntArray, Holding] | None = None  # the bounds that were held last
+
+    @property
+    def factorizations(self) -> int:
+        """How many factors were made of the equations alone."""
+        return 0 if self._equations is None else self._equations.factorizations
 
     def moved(self, point: Point, wish: FloatArray) -> Point | None:
         """One Euler step of equation (9): the wished move without what would violate the constraints.
@@ -140,55 +122,32 @@ class Projection:
         Returns:
             A point that satisfies the constraints; None if the step is too long for Newton's method.
         """
-        jacobian = point.jacobian  # first: it brings the rows along
-        if not np.isfinite(jacobian.data).all():
-            return None
+        problem = point.problem
+        if self._equations is None or self._problem is not problem:
+            self._problem, self._with_bounds = problem, None
+            self._equations = Holding([Part(problem, problem.equations)])
+        chosen, holding = problem.equations, self._equations
+        values = problem.lower[chosen]
         held: IntArray = np.empty(0, np.int64)
         while True:
-            chosen = np.concatenate([point.problem.equations, held])
-            least = self._least_move(jacobian[chosen], len(held))
-            if least is None:
-                return None
-            # What the wish does to the held rows is taken back; rows off their bounds are brought there.
-            off = point.rows[chosen] - _bounds(point, chosen)
-            step = wish - least(jacobian[chosen] @ wish + off)
-            trial = self._corrected(point.moved(point.variables + step), chosen, least)
+            trial = holding.moved(point, wish, values)
             if trial is None:
                 return None
             beyond = np.setdiff1d(np.flatnonzero(trial.excess > WITHIN), chosen)
             if len(beyond) == 0:
                 return trial
-            held = np.concatenate([held, beyond])
+            held = np.union1d(held, beyond)
+            holding = self._holding(self._equations, held)
+            chosen = np.concatenate([problem.equations, held])
+            values = _bounds(trial, chosen)
 
-    def _corrected(self, point: Point, chosen: IntArray, least: LeastMove) -> Point | None:
-        """Newton corrections until the chosen rows are at their bounds, with factors of a point near by."""
-        n_held = len(chosen) - len(point.problem.equations)
-        bounds = _bounds(point, chosen)
-        size = np.inf
-        for k in range(3 * CHORDS):
-            residual = point.rows[chosen] - bounds
-            last, size = size, float(np.abs(residual).max(initial=0.0))
-            stuck = size > STUCK * last
-            if size <= ENOUGH or (size <= 1e3 * ENOUGH and stuck):  # in rounding
-                return point
-            if not np.isfinite(size) or (size > last and size > 1.0):
-                return None
-            if k % CHORDS == CHORDS - 1 or stuck:
-                fresh = self._least_move(point.jacobian[chosen], n_held)
-                if fresh is None:
-                    return None
-                least = fresh
-            point = point.moved(point.variables - least(residual))
-        return None
-
-    def _least_move(self, jacobian: sparse.csr_matrix, n_held: int) -> LeastMove | None:
-        """Factors for the equations and the bounds held besides; the order of the equations is found once."""
-        if self._order is None:  # the first factors are those of the equations alone
-            least = LeastMove.of(jacobian)
-            self._order = None if least is None else least.order
-            return least
-        n = jacobian.shape[0] - n_held
-        return LeastMove.of(jacobian, np.concatenate([self._order, np.arange(n, n + n_held)]))
+    def _holding(self, equations: Holding, held: IntArray) -> Holding:
+        """The equations, and bounds (k,) held besides."""
+        if self._with_bounds is None or not np.array_equal(self._with_bounds[0], held):
+            assert self._problem is not None  # moved() set it
+            bounds = Part(self._problem, held)
+            self._with_bounds = held, Holding([*equations.parts, bounds], equations.order)
+        return self._with_bounds[1]
 
 
 def _bounds(point: Point, chosen: IntArray) -> FloatArray:

@@ -56,9 +56,14 @@ class LightIpopt:
     relaxation: Relaxation
     solver: Ipopt
 
-    def approach(self, start: Point, limit: int, *, is_good: bool) -> Run:
+    def approach(self, start: Point, limit: int, *, is_good: bool, is_spread: bool = False) -> Run:
         """As :meth:`Ipopt.approach`, from and to points of the whole problem."""
-        return self._whole(start, self.solver.approach(self.relaxation.own(start), limit, is_good=is_good))
+        own = self.relaxation.own(start)
+        return self._whole(start, self.solver.approach(own, limit, is_good=is_good, is_spread=is_spread))
+
+    def ease(self, start: Point, limit: int) -> Run:
+        """As :meth:`Ipopt.ease`, from and to points of the whole problem."""
+        return self._whole(start, self.solver.ease(self.relaxation.own(start), limit))
 
     def run(self, start: Point, limit: int, *, careful: bool) -> Run:
         """As :meth:`Ipopt.run`, from and to points of the whole problem."""

@@ -204,7 +204,7 @@ class Fitted:
             self.problems.append([anchor.segment for anchor in sliding])
             return At().problem, "a solver"
 
-        def one_round(_: Any, at: At, *, is_seed: bool) -> tuple[Run, float]:
+        def one_round(_: Any, at: At, *, is_seed: bool, is_spread: bool) -> tuple[Run, float]:
             self.seeds.append(is_seed)
             self.rounds.runs.round += 1
             k = len(self.seeds)
@@ -362,7 +362,7 @@ def test_a_round_that_was_stopped_ends_at_the_best(stopped: bool, monkeypatch: p
     monkeypatch.setattr(one.runs.best, "kept", kept)
     if stopped:
         one.control.stop.set()
-    run, rms = one._one_round("a solver", At(), is_seed=True)
+    run, rms = one._one_round("a solver", At(), is_seed=True, is_spread=False)
     assert run.end.said == ("kept" if stopped else "last")
     assert one.kept == ("it is iteration 3" if stopped else None)
     expected = np.sqrt(12.5) * (2 if stopped else 1)

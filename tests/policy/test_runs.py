@@ -16,7 +16,7 @@ from inverse.policy import verdict
 from inverse.policy.control import Control
 from inverse.policy.runs import TOO_FAR, Runs
 from inverse.solvers.feasibility import Least
-from inverse.solvers.ipopt import APPROACHING, NEAR, STATIC
+from inverse.solvers.ipopt import APPROACHING, EASED, NEAR, STATIC
 from inverse.solvers.run import Ending, Progress, Run
 from inverse.solvers.slsqp import Slsqp
 
@@ -53,9 +53,14 @@ class Told:
     ends: dict[str, tuple[Ending, float, int]] = field(default_factory=dict)
     limits: list[int] = field(default_factory=list)
 
-    def approach(self, at: At, limit: int, *, is_good: bool) -> Any:
+    def approach(self, at: At, limit: int, *, is_good: bool, is_spread: bool = False) -> Any:
         self.limits.append(limit)
-        return self._ended(APPROACHING + (" of a good start" if is_good else ""), APPROACHING, at)
+        start = " of a spread start" if is_spread else " of a good start" if is_good else ""
+        return self._ended(APPROACHING + start, APPROACHING, at)
+
+    def ease(self, at: At, limit: int) -> Any:
+        self.limits.append(limit)
+        return self._ended(EASED, EASED, at)
 
     def run(self, at: At, limit: int, *, careful: bool) -> Any:
         self.limits.append(limit)
@@ -63,7 +68,7 @@ class Told:
 
     def _ended(self, said: str, method: str, at: At) -> Any:
         self.calls.append(f"{self.name}: {said} from {at.name}")
-        usual = Ending.SETTLED if method == APPROACHING else Ending.SOLVED
+        usual = Ending.SETTLED if method in (APPROACHING, EASED) else Ending.SOLVED
         ending, violation, iterations = self.ends.get(method, (usual, 0.0, 1))
         end: Any = At(f"{method} {self.name}", violation, "its multipliers")
         return Run(end, ending, iterations, 0.0, 0.0, method)
@@ -92,14 +97,29 @@ class Round:
         monkeypatch.setattr(self.runs, "_is_settled", lambda _: False)
         monkeypatch.setattr(self.runs, "_light", relaxed)
 
-    def go(self, start: Any = None, *, is_seed: bool = False) -> list[Run]:
+    def go(self, start: Any = None, *, is_seed: bool = False, is_spread: bool = False) -> list[Run]:
         solver: Any = self.whole
-        return self.runs.one_round(solver, At() if start is None else start, is_seed=is_seed)
+        return self.runs.one_round(solver, At() if start is None else start, is_seed=is_seed, is_spread=is_spread)
 
 
 @pytest.fixture
 def one(monkeypatch: pytest.MonkeyPatch) -> Round:
     return Round(monkeypatch)
+
+
+def test_a_coarser_grids_design_is_come_near_to_in_two_ways(one: Round) -> None:
+    one.go(is_spread=True)
+    assert one.calls == [
+        f"light: {APPROACHING} of a spread start from the start",
+        f"light: {EASED} from {APPROACHING} light",
+        f"light: {STATIC} from {EASED} light",
+    ]
+
+
+def test_what_fails_with_a_part_of_the_curvature_is_left_out(one: Round) -> None:
+    one.whole.ends = one.light.ends = {EASED: (Ending.GIVEN_UP, 1.0, 3)}
+    one.go(is_spread=True)
+    assert one.calls[-1] == f"light: {STATIC} from {APPROACHING} light"
 
 
 def test_a_good_start_needs_no_idle_bounds(one: Round) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from designs import ALL, assert_close, eggbox, hybrid, perturbed, tube
+from designs import ALL, assert_close, eggbox, hybrid, miura, perturbed, tube
 
 from inverse import constraints
 from inverse.model import DesignModel
@@ -12,7 +12,8 @@ from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.nlp.term import Constraint
 from inverse.origami.pattern import Design
-from inverse.solvers.projection import Projection, balanced, polish
+from inverse.solvers.least_move import LeastMove
+from inverse.solvers.projection import Projection, balanced, brought_near, polish
 
 NAMES = ["miura", "eggbox", "hybrid", "polygonal", "two_holes"]
 
@@ -159,3 +160,20 @@ def test_slopes_that_are_no_numbers_end_a_polish_and_a_move(monkeypatch: pytest.
     assert polish(point) is point
     assert balanced(point) is point
     assert Projection().moved(point, 0 * point.variables) is None
+
+
+def test_what_is_far_off_comes_nearer_without_a_leap() -> None:
+    """From where Newton's method leaps and the polish gives up; along the solutions little moves."""
+    model, problem = posed(miura(12, 12))
+    x = moved(model, 0.08)
+    start = Point(problem, x, problem.parameters())
+    sizes = [np.linalg.norm(residual(problem, one.variables)) for one in (start, brought_near(start))]
+    assert sizes[1] < 0.3 * sizes[0]
+    leap = LeastMove(start.jacobian[problem.equations])(residual(problem, x))
+    assert np.abs(brought_near(start).variables - x).max() < 0.5 * np.abs(leap).max()
+
+
+def test_where_equations_hold_nothing_is_brought_near() -> None:
+    model, problem = posed(eggbox())
+    exact = polish(Point(problem, model.seed_points.ravel(), problem.parameters()))
+    assert_close(brought_near(exact).variables, exact.variables, 1e-12)
