@@ -49,6 +49,7 @@ bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, film
 	$(BIN)/python -m benchmarks.fit
 	$(BIN)/python -m benchmarks.tubes
 	$(BIN)/python -m benchmarks.speed
+	$(BIN)/python -m benchmarks.commands
 	$(BIN)/python -m benchmarks.motion
 	$(BIN)/python -m benchmarks.panels
 
