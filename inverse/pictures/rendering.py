@@ -218,25 +218,6 @@ def render(scene: Scene, path: Path, renderer: Renderer | None = None) -> None:
         write_atomically(path, running.finish()[0].read_bytes())
 
 
-def render_frames(scenes: Iterable[Scene], folder: Path, progress: Callable[[int], None] | None = None) -> list[Path]:
-    """Render many scenes in one process.
-
-    Args:
-        scenes: one scene per picture. Arrays that several of them show are handed over once.
-        folder: an empty one, for the PNG files.
-        progress: told now and then how many pictures are there; what it raises ends the rendering.
-
-    Returns:
-        The PNG files in the order of the scenes.
-
-    Raises:
-        RuntimeError: they cannot be rendered here; :func:`can_render` tells beforehand.
-    """
-    with Renderer() as renderer:
-        renderer.begin(scenes, folder=folder)
-        return renderer.finish(progress)
-
-
 def lacking() -> str | None:
     """A sentence about a Python package that rendering needs and that is not installed; None if all are."""
     for package in ("pyvista", "PIL"):

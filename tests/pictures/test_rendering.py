@@ -65,7 +65,9 @@ def triangle(size: tuple[int, int]) -> Scene:
 @pytest.mark.usefixtures("gl")
 def test_one_process_draws_what_several_do_byte_for_byte(tmp_path: Path) -> None:
     scenes = [triangle((160, 1200)), triangle((320, 64)), triangle((160, 1200))]
-    together = rendering.render_frames(scenes, tmp_path)
+    with Renderer() as renderer:
+        renderer.begin(scenes, folder=tmp_path)
+        together = renderer.finish()
     for k, scene in enumerate(scenes):
         rendering.render(scene, tmp_path / "alone.png")
         assert (tmp_path / "alone.png").read_bytes() == together[k].read_bytes()
