@@ -77,6 +77,18 @@ def test_refine(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_commands(tmp_path: Path) -> None:
+    out = tmp_path / "commands.json"
+    small = ("--runs", "1", "--facets", "6", "--only", "tube-bare", "check", "fold")
+    told = run("benchmarks.commands", *small, "--out", str(out))
+    rows = {row["command"]: row for row in json.loads(out.read_text())["rows"]}
+    assert set(rows) == {"tube-bare", "check", "fold"}
+    assert all(row["seconds"] > row["load"] / 2 > 0 and row["MiB"] > 20 for row in rows.values())
+    assert {"build", "solve", "certify", "brief"} <= set(rows["tube-bare"]["phases"])
+    assert "at most 0.5 s" in told
+
+
+@pytest.mark.slow
 def test_motion(tmp_path: Path) -> None:
     out = tmp_path / "motion.json"
     run("benchmarks.motion", "--sizes", "4", "--frames", "3", "--formats", "glb", "html", "--out", str(out))

@@ -15,7 +15,6 @@ from markdown_it import MarkdownIt
 from ruamel.yaml import YAML
 
 import inverse
-from inverse import pictures
 from inverse.cli import commands
 from inverse.pictures import rendering
 
@@ -122,7 +121,7 @@ def test_what_a_page_shows_runs(
         if (reason := rendering.can_render()) is not None:
             lacking(reason)
     else:
-        monkeypatch.setattr(pictures, "can_render", lambda: "no pictures here")
+        monkeypatch.setattr(rendering, "lacking", lambda: "no pictures here")
     names: dict[str, Any] = {}
     for block in blocks(page):
         if block.language in RUN:

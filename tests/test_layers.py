@@ -120,6 +120,7 @@ ARROWS: dict[str, set[str]] = {
         "spec",
         "solvers",
         "repair",
+        "pictures",
         "results",
         "solve",
         "showing",

@@ -262,11 +262,11 @@ def test_what_casadi_makes_of_a_second_signal_is_no_fault_of_a_step(monkeypatch:
 def test_an_interrupted_result_has_no_3d_pictures_that_would_take_long(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    def drawn() -> None:
+    def drawn(_: object) -> None:
         raise AssertionError("it was not to be drawn")
 
     result = inverse.solve(task(), watch=breaking(KeyboardInterrupt()))
-    monkeypatch.setattr("inverse.results.saving.pictures.can_render", drawn)
+    monkeypatch.setattr("inverse.results.saving.Renderer.__enter__", drawn)
     assert result.save(tmp_path) == ["Interrupted: the results have no 3D pictures."]
     assert (tmp_path / "crease_pattern.svg").exists()
 

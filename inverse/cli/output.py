@@ -26,7 +26,7 @@ def folder_for(design: Path, given: Path | None) -> Path:
     Raises:
         InputError: it cannot be written to.
     """
-    from inverse.results.saving import output_folder
+    from inverse.results.folder import output_folder
 
     return output_folder(design.stem, design.parent if given is None else given)
 

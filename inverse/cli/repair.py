@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -24,6 +24,7 @@ def repair(
     u_lines: str | None = None,
     v_lines: str | None = None,
     far: Annotated[bool, Parameter(negative=())] = False,
+    pictures: Literal["none", "svg", "all"] = "all",
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
     """Snap somebody's pattern to the exact set and say how far it moved.
@@ -35,18 +36,19 @@ def repair(
             separated by commas. Types are read from the file or deduced if neither is given.
         v_lines: the same along v.
         far: take a pattern although it is more than 0.1 rad off somewhere.
+        pictures: none, svg (crease patterns only) or all (the 3D views too), all by default.
         as_json: print the result as JSON.
     """
     from inverse import repair as run
     from inverse.results import saving
-    from inverse.results.folder import Results, check_same_design
+    from inverse.results.folder import Results, check_same_design, files, output_folder
 
-    folder = saving.output_folder(pattern.stem, out)
+    folder = output_folder(pattern.stem, out)
     with Results(folder) as results, ProgressLine() as line:
         line.phase(f"repairing {pattern}")
         result = run(pattern, u_lines=u_lines, v_lines=v_lines, far=far)
         check_same_design(folder, result.design.name)
-        written = saving.write(result, results, phase=line.phase)
+        written = saving.write(result, results, pictures=pictures, phase=line.phase)
     for note in written.notes:
         print(note, file=sys.stderr)
     if as_json:
@@ -56,7 +58,7 @@ def repair(
         print(result.status if done else f"NOT REPAIRED: {result.status}", file=sys.stderr)
         for sentence in _repair_lines(result):
             print(sentence)
-        for written_line in told(saving.files(folder)):
+        for written_line in told(files(folder)):
             print(written_line)
     if written.interrupted:
         return INTERRUPTED

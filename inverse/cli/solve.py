@@ -37,6 +37,7 @@ def solve(
     overrides: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
     start: Path | None = None,
     extensions: Annotated[tuple[Path, ...], Parameter(name="--with", negative=())] = (),
+    pictures: Literal["none", "svg", "all"] | None = None,
     show: Literal["seed"] | None = None,
     as_json: Annotated[bool, Parameter(name="--json", negative=())] = False,
 ) -> int:
@@ -49,6 +50,7 @@ def solve(
         start: output folder or FOLD file of a design of the same pattern, to go on from instead of the seed.
         extensions: Python file that is RUN first, with all your rights, and registers objectives, constraints,
             measures, targets or patterns of your own; may be repeated.
+        pictures: none, svg (crease patterns only) or all (the 3D views too), in place of what the specification says.
         show: seed draws the placed seed with its sides, the numbers of its vertices, anchors and keep-outs, seed.svg
             and seed.png in the output folder, and solves nothing.
         as_json: print the result as JSON.
@@ -58,13 +60,13 @@ def solve(
         from inverse import solve as run
         from inverse import spec
         from inverse.extending.loading import load_file
-        from inverse.results import saving
-        from inverse.results.folder import Results, check_same_design
+        from inverse.pictures.rendering import Renderer
+        from inverse.results.folder import Results, check_same_design, files, output_folder
 
         for file in extensions:
             load_file(file)
         loaded = spec.load(specification, overrides)
-        folder = saving.output_folder(loaded.specification.name, out)
+        folder = output_folder(loaded.specification.name, out)
     if stop.is_set():
         return interrupts.told()
     if show is not None:
@@ -73,6 +75,10 @@ def solve(
     outdated = made_before(folder)
     with ExitStack() as folders:
         results = folders.enter_context(Results(folder))
+        wanted = pictures or loaded.specification.pictures
+        renderer = folders.enter_context(Renderer()) if wanted == "all" else None  # gets ready meanwhile
+        from inverse.results import saving
+
         with interrupts.announced(KEEPING), _Watch() as watch:
             watch.phase(f"preparing {loaded.specification.name}")
             result = run(loaded, start=start, watch=watch)
@@ -82,7 +88,7 @@ def solve(
             print(f"{earlier} keeps its certified design; that of this run goes to {folder}", file=sys.stderr)
             results = folders.enter_context(Results(folder))
         with interrupts.announced("interrupted: the results are written without pictures"), ProgressLine() as line:
-            written = saving.write(result, results, phase=line.phase)
+            written = saving.write(result, results, pictures=wanted, renderer=renderer, phase=line.phase)
     for note in (*written.notes, *([] if outdated is None else [outdated])):
         print(note, file=sys.stderr)
     if as_json:
@@ -91,7 +97,7 @@ def solve(
         print("\n- ".join(_ending(result)), file=sys.stderr)
         for sentence in _told(result):
             print(sentence)
-        for written_line in told(saving.files(folder)):
+        for written_line in told(files(folder)):
             print(written_line)
     if result.interrupted or written.interrupted:
         return INTERRUPTED

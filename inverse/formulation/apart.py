@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linprog
 
 from inverse._types import FloatArray
 from inverse.origami import geometry
@@ -40,6 +39,8 @@ class HalfSpaces:
         Returns:
             The least distance, 0 where a point is inside all, and the weights (H,) of those that contradict each other.
         """
+        from scipy.optimize import linprog
+
         if not len(self.offsets):
             return 0.0, np.empty(0)
         upper = -np.column_stack([self.normals, np.ones(len(self.offsets))])

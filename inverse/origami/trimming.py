@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
 
 from inverse._types import IntArray
 from inverse.origami.pattern import Design, Pattern
@@ -71,6 +70,8 @@ def without(pattern: Pattern, facets: IntArray) -> tuple[Pattern, IntArray]:
 
 def _coupled(mask: Mask) -> Mask:
     """Facets around the largest set of interior vertices that edges join."""
+    from scipy.ndimage import label
+
     inner = mask[:-1, :-1] & mask[1:, :-1] & mask[:-1, 1:] & mask[1:, 1:]
     names, count = label(inner)
     if count == 0:

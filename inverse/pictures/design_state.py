@@ -40,13 +40,10 @@ def design_picture(
     Raises:
         RuntimeError: 3D pictures cannot be rendered here, see :func:`inverse.pictures.can_render`.
     """
-    scene = design_scene(design, target, context[:2] if context is not None else None)
-    if caption:
-        scene.captions.append(Caption(caption, _SIZE[0] / 2, _CAPTION, _CAPTION))
-    render(scene, path)
+    render(design_scene(design, target, context[:2] if context is not None else None, caption), path)
 
 
-def design_scene(design: Design, target: Surface | None, context: Surface | None) -> Scene:
+def design_scene(design: Design, target: Surface | None, context: Surface | None, caption: str = "") -> Scene:
     """What :func:`design_picture` shows."""
     points, pattern = design.vertices_coords, design.pattern
     azimuth, elevation = wished_view(points)
@@ -79,6 +76,8 @@ def design_scene(design: Design, target: Surface | None, context: Surface | None
         surface, rim = drawing.target(*target, view)
         scene.facets.append(surface)
         scene.lines.append(rim)
+    if caption:
+        scene.captions.append(Caption(caption, _SIZE[0] / 2, _CAPTION, _CAPTION))
     return scene
 
 

@@ -11,9 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull
 
 from inverse._types import FloatArray, IntArray
 from inverse.origami import folding, geometry
@@ -90,6 +87,9 @@ def _components(pattern: Pattern) -> IntArray:
     """Number of the sheet of every facet, (F,), counted in the order of the facets."""
     left, right = pattern.edges_faces[pattern.edges_type == FL].T
     n = len(pattern.faces_vertices)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     joined = coo_array((np.ones(len(left)), (left, right)), shape=(n, n))
     labels = connected_components(joined, directed=False)[1]
     _, first, number = np.unique(labels, return_index=True, return_inverse=True)
@@ -194,6 +194,8 @@ def _spread(places: list[ComplexArray], cells: list[tuple[int, int]], gap: float
 
 def _turned_flat(place: ComplexArray) -> ComplexArray:
     """Turn points so that their bounding rectangle is the smallest, the long side level."""
+    from scipy.spatial import ConvexHull
+
     hull = place[ConvexHull(np.stack([place.real, place.imag], axis=1)).vertices]
     sides = np.roll(hull, -1) - hull
     turned = [hull * _unit(complex(s).conjugate()) for s in sides]

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
 
 from inverse._types import FloatArray
 from inverse.origami.pattern import Design
@@ -64,6 +63,8 @@ def spread(coarse_seed: Design, coarse_points: FloatArray, seed: Design) -> Floa
     fine_u, fine_v = np.linspace(0, 1, fine_m + 1), np.linspace(0, 1, fine_n + 1)
 
     def everywhere(a: int, b: int, k: int) -> FloatArray:
+        from scipy.interpolate import RectBivariateSpline
+
         # The box makes it go on beyond the outermost vertices of a parity instead of staying constant there.
         spline = RectBivariateSpline(u[a::2], v[b::2], moved[a::2, b::2, k], bbox=[0, 1, 0, 1])
         return np.asarray(spline(fine_u, fine_v))

@@ -35,6 +35,28 @@ FILLING, REPLACING, PLACING = ".inverse-filling-", ".inverse-replacing", ".inver
 REPLACED = ".inverse-replaced"  # where the files of the run before go; a rename is quicker than a removal
 
 
+def files(folder: Path) -> list[Path]:
+    """The files of a result that are there; pictures may be missing."""
+    return [folder / name for name in NAMES if (folder / name).exists()]
+
+
+def output_folder(name: str, given: Path | None) -> Path:
+    """The folder to write to, ``out/<name>`` if none is given; it is made when something is written.
+
+    Raises:
+        InputError: the folder cannot be made or written to.
+    """
+    folder = given or Path("out") / name
+    existing = folder.absolute()
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    if not existing.is_dir():
+        raise InputError(f"{existing} is a file, so no results can be written to {folder}", hint="Choose another -o.")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"{existing} may not be written to", where=str(folder), hint="Choose another -o.")
+    return folder
+
+
 class Results:
     """An output folder, held by this run from ``with`` to the end of it.
 

@@ -83,8 +83,10 @@ def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface |
         outcome = _moved_back(outcome, goal.origin)
         formulation = moved_back(loaded, formulation)
     footprint = measures.footprint(goal, point.variables)
+    began = time.perf_counter()
     brief = Brief(loaded, policy.formulation, near.design, outcome.certificate, footprint["limits"])
     ending, details = _ending(policy, near, outcome, brief)
+    policy.seconds["brief"] = time.perf_counter() - began
     failed_measures: list[str] = []
     own = measures.own(outcome.design, failed_measures)
     return Result(

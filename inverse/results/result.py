@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from inverse._types import FloatArray
 from inverse.brief.asked import Asked
@@ -166,12 +166,12 @@ class Result:
         }
         return {key: finite(value) for key, value in told.items()}
 
-    def save(self, folder: Path | str, *, pictures: bool = True) -> list[str]:
+    def save(self, folder: Path | str, *, pictures: Literal["none", "svg", "all"] | None = None) -> list[str]:
         """Write design, certificate, report and pictures, as the command line does.
 
         Args:
             folder: where; made if missing. Files of an earlier result there are replaced, others stay.
-            pictures: whether to draw.
+            pictures: none, svg (crease patterns) or all; by default what the specification says.
 
         Returns:
             The notes, and sentences about pictures that could not be drawn.

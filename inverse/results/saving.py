@@ -3,48 +3,27 @@
 from __future__ import annotations
 
 import json
-import os
 import platform
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from inverse import interrupts, pictures
-from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.files.atomic import json_text, write_atomically
 from inverse.origami.pattern import CFL, Design
+from inverse.pictures.rendering import Renderer
 from inverse.repair.repairing import Repair
-from inverse.results.folder import NAMES, Results, unwritable
+from inverse.results.folder import Results, unwritable
 from inverse.results.result import Result
 
+Pictures = Literal["none", "svg", "all"]
 PACKAGES = ("inverse", "casadi", "numpy", "scipy", "pyvista", "trimesh", "libigl")
-
-
-def files(folder: Path) -> list[Path]:
-    """The files of a result that are there; pictures may be missing."""
-    return [folder / name for name in NAMES if (folder / name).exists()]
-
-
-def output_folder(name: str, given: Path | None) -> Path:
-    """The folder to write to, ``out/<name>`` if none is given; it is made when something is written.
-
-    Raises:
-        InputError: the folder cannot be made or written to.
-    """
-    folder = given or Path("out") / name
-    existing = folder.absolute()
-    while not existing.exists() and existing != existing.parent:
-        existing = existing.parent
-    if not existing.is_dir():
-        raise InputError(f"{existing} is a file, so no results can be written to {folder}", hint="Choose another -o.")
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise InputError(f"{existing} may not be written to", where=str(folder), hint="Choose another -o.")
-    return folder
 
 
 def keeps_earlier(result: Result, folder: Path) -> bool:
@@ -75,21 +54,27 @@ class Written:
     interrupted: bool = False
 
 
-def save(result: Result | Repair, folder: Path, *, pictures: bool = True) -> list[str]:
+def save(result: Result | Repair, folder: Path, *, pictures: Pictures | None = None) -> list[str]:
     """Write everything into a folder of its own; see :meth:`inverse.results.result.Result.save`."""
     with Results(folder) as results:
         return write(result, results, pictures=pictures).notes
 
 
 def write(
-    result: Result | Repair, results: Results, *, pictures: bool = True, phase: Callable[[str], None] | None = None
+    result: Result | Repair,
+    results: Results,
+    *,
+    pictures: Pictures | None = None,
+    renderer: Renderer | None = None,
+    phase: Callable[[str], None] | None = None,
 ) -> Written:
     """Write everything that a solve or a repair promises.
 
     Args:
         result: what was found.
         results: where.
-        pictures: whether to draw.
+        pictures: what to draw; by default what the specification says, and all of a repair.
+        renderer: what renders 3D pictures, perhaps ready by now; by default it is started when they are drawn.
         phase: told what is being drawn.
 
     Raises:
@@ -112,30 +97,41 @@ def write(
     interrupted = Written([*asked, "Interrupted: the results have no pictures."], interrupted=True)
     if stop.is_set():
         return interrupted
-    if not pictures:
+    if pictures is None:
+        pictures = result.specification["pictures"] if isinstance(result, Result) else "all"
+    if pictures == "none":
         return Written(asked)
     try:
-        with interrupts.raised():
-            # Who ended the solve is waiting for the end: 3D pictures take many seconds.
-            hurried = isinstance(result, Result) and result.ending == "interrupted"
-            return Written(
-                [*asked, *_add_pictures(result, results, report, phase or (lambda words: None), hurried=hurried)]
-            )
+        with interrupts.raised(), ExitStack() as stack:
+            notes = []
+            if pictures == "all" and isinstance(result, Result) and result.ending == "interrupted":
+                # Who ended the solve is waiting for the end.
+                pictures, notes = "svg", ["Interrupted: the results have no 3D pictures."]
+            if pictures == "all" and renderer is None:
+                renderer = stack.enter_context(Renderer())
+            drawing = renderer if pictures == "all" else None
+            return Written([*asked, *_add_pictures(result, results, report, phase or (lambda _: None), drawing, notes)])
     except KeyboardInterrupt:
         return interrupted
 
 
 def _add_pictures(
-    result: Result | Repair, results: Results, report: dict[str, Any], phase: Callable[[str], None], *, hurried: bool
+    result: Result | Repair,
+    results: Results,
+    report: dict[str, Any],
+    phase: Callable[[str], None],
+    renderer: Renderer | None,
+    notes: list[str],
 ) -> list[str]:
     """Draw, and tell in the report how that went; what is there already does not depend on it."""
     began = time.perf_counter()
     try:
         new = results.filling()
-        shown: dict[str, Any] = {}
-        if isinstance(result, Result):
-            shown = {"target": result.target, "context": result.context, "caption": result.caption}
-        notes = _draw(result.design, shown, new, phase, hurried=hurried)
+        if renderer is not None:
+            _begin(result, renderer, phase)
+        _draw(result.design, new, phase)
+        if renderer is not None:
+            notes = _finish(renderer, new, phase)
         seconds = {**report.get("seconds", {}), "pictures": time.perf_counter() - began}
         _write_json(new / "report.json", report | {"notes": [*report["notes"], *notes], "seconds": seconds})
         results.add()
@@ -144,29 +140,36 @@ def _add_pictures(
     return notes
 
 
-def _draw(
-    design: Design, shown: dict[str, Any], folder: Path, phase: Callable[[str], None], *, hurried: bool
-) -> list[str]:
-    """Draw a design, with what of its surroundings and verdicts is to be shown."""
+def _begin(result: Result | Repair, renderer: Renderer, phase: Callable[[str], None]) -> None:
+    """Have the 3D pictures rendered, while something else is drawn here."""
+    phase("drawing states.png")
+    renderer.begin([pictures.states_scene(result.design)], "states.png")
+    phase("drawing design.png")
+    shown = (result.target, result.context, result.caption) if isinstance(result, Result) else (None, None, "")
+    renderer.begin([pictures.design_scene(result.design, *shown)], "design.png")
+
+
+def _finish(renderer: Renderer, folder: Path, phase: Callable[[str], None]) -> list[str]:
+    """Wait for the 3D pictures; sentences about what is missing."""
+    phase("drawing design.png and states.png")
+    missing = renderer.missing()
+    if missing is not None:
+        return [missing]
+    try:
+        for picture in renderer.finish():
+            write_atomically(folder / picture.name, picture.read_bytes())
+    except RuntimeError as error:  # the process that draws was killed or took too long
+        return [f"No 3D pictures: {error}"]
+    return []
+
+
+def _draw(design: Design, folder: Path, phase: Callable[[str], None]) -> None:
+    """Draw what needs no renderer."""
     phase("drawing crease_pattern.svg")
     pictures.crease_pattern_picture(design, folder / "crease_pattern.svg")
     if (design.pattern.edges_type == CFL).any():  # else the developed state has a single layer
         phase("drawing layers.svg")
         pictures.layers_picture(design, folder / "layers.svg")
-    if hurried:
-        return ["Interrupted: the results have no 3D pictures."]
-    phase("looking for a way to draw in 3D")
-    missing = pictures.can_render()
-    if missing is not None:
-        return [missing]
-    try:
-        phase("drawing design.png")
-        pictures.design_picture(design, folder / "design.png", **shown)
-        phase("drawing states.png")
-        pictures.states_picture(design, folder / "states.png")
-    except RuntimeError as error:  # the process that draws was killed or took too long
-        return [f"No 3D pictures: {error}"]
-    return []
 
 
 def _write_json(path: Path, document: dict[str, Any]) -> None:

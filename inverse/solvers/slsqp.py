@@ -14,7 +14,6 @@ from collections.abc import Callable
 import nlopt
 import numpy as np
 import scipy.sparse as sparse
-from scipy.optimize import nnls
 
 from inverse._types import FloatArray, IntArray
 from inverse.nlp.point import Point
@@ -250,6 +249,8 @@ class _Search:
 
 def _multipliers(problem: Problem, chart: Chart) -> FloatArray:
     """Multipliers (R,) that come nearest to a stationary Lagrangian, of the sign that each active bound asks for."""
+    from scipy.optimize import nnls
+
     place = chart.place
     inequalities = problem.lower != problem.upper
     low = np.flatnonzero(inequalities & (place.rows - problem.lower <= BOUND))

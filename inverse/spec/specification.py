@@ -248,6 +248,12 @@ class Specification(Model):
     constraints: Constraints = Field(default=Constraints(), description="what must hold")
     require: RequireKeys = Field(default=RequireKeys(), description="what the design must come up to, to be as asked")
     solver: SolverKeys = Field(default=SolverKeys(), description="how the problem is solved")
+    pictures: Annotated[
+        Literal["none", "svg", "all"], word("choice of pictures", {"none": "", "svg": "crease patterns", "all": ""})
+    ] = Field(
+        default="all",
+        description="what is drawn: none, svg (crease_pattern.svg, layers.svg) or all (design.png and states.png too)",
+    )
 
     @model_validator(mode="after")
     def _check_units(self) -> Self:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
 
 from inverse._types import FloatArray
 from inverse.errors import InputError
@@ -33,6 +32,8 @@ class Axis:
     """
 
     def __init__(self, points: Sequence[Sequence[float]] | FloatArray, *, smooth: bool) -> None:
+        from scipy.interpolate import CubicSpline, PPoly
+
         given = np.array(points, np.float64)
         self.fractions, self.length = _fractions(given)
         self.points: FloatArray = given

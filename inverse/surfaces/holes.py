@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import RBFInterpolator
 from scipy.spatial import QhullError
 
 from inverse._types import FloatArray, IntArray
@@ -104,6 +103,8 @@ def _filling(local: FloatArray, corners: IntArray) -> tuple[FloatArray, IntArray
     Returns:
         The points and triangles, or None for a hole that is not seen in plan.
     """
+    from scipy.interpolate import RBFInterpolator
+
     rim = local[corners, :2]
     size = float(np.ptp(rim, axis=0).max())
     try:

@@ -9,7 +9,6 @@ from typing import Literal
 import casadi
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 from scipy.spatial import cKDTree
 
 from inverse._types import FloatArray, IntArray
@@ -344,6 +343,8 @@ def _length_fraction(polyline: FloatArray) -> FloatArray:
 
 def _profile(v: casadi.SX, rise: float, span: float, profile: Profile) -> tuple[casadi.SX, casadi.SX]:
     """Place across the span, 0 to 1, and height over the chord relative to the rise, of a parameter v in 0 to 1."""
+    from scipy.optimize import brentq
+
     across, half = 2 * v - 1, span / 2
     if profile == "parabola":
         return v, casadi.SX(1 - across**2)

@@ -7,7 +7,6 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
@@ -50,6 +49,8 @@ class TubeTarget(Target):
     """
 
     def __init__(self, axis: Axis, radius: float | FloatArray) -> None:
+        from scipy.interpolate import PchipInterpolator
+
         self.axis = axis
         profile = np.array([[0.0, radius], [1.0, radius]]) if np.ndim(radius) == 0 else np.asarray(radius, np.float64)
         if len(profile) < 2 or not (np.diff(profile[:, 0]) > 0).all():

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 import inverse
-from inverse import pictures
 from inverse.cli import commands
 from inverse.origami import seeds
+from inverse.pictures import rendering
 
 DOME = """\
 name: dome
@@ -32,7 +32,7 @@ ANCHORED = DOME + "constraints:\n  anchors:\n    - "
 @pytest.fixture(autouse=True)
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawing has tests of its own."""
-    monkeypatch.setattr(pictures, "can_render", lambda: "no pictures here")
+    monkeypatch.setattr(rendering, "lacking", lambda: "no pictures here")
 
 
 def run(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:

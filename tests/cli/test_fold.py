@@ -14,6 +14,7 @@ import pytest
 import inverse
 from inverse.cli import commands
 from inverse.fabricate.film import film
+from inverse.pictures import rendering
 
 
 @pytest.fixture
@@ -111,12 +112,14 @@ def test_interrupted_drawing_leaves_nothing(
 ):
     before = everything(Path())
 
-    def stop(scenes, folder, progress):
+    def stop(_, progress):
         progress(1)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(film, "can_render", lambda: None)
-    monkeypatch.setattr(film, "render_frames", stop)
+    monkeypatch.setattr(rendering, "lacking", lambda: None)
+    monkeypatch.setattr(film.Renderer, "_start", lambda _: None)
+    monkeypatch.setattr(film.Renderer, "missing", lambda _: None)
+    monkeypatch.setattr(film.Renderer, "finish", stop)
     assert commands.run(["fold", str(design), "--to", "mp4", "--to", "glb", "--frames", "3"]) == 3
     assert everything(Path()) == before
 

@@ -11,9 +11,9 @@ import designs
 import pytest
 
 import inverse
-from inverse import pictures
 from inverse.cli import commands
 from inverse.cli.output import told
+from inverse.pictures import rendering
 
 DOME = """\
 name: dome
@@ -25,7 +25,7 @@ target: {height: "sqrt(4 - x^2 - y^2)", domain: [[-1, 1], [-1, 1]]}
 @pytest.fixture
 def results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of a solve, without 3D pictures."""
-    monkeypatch.setattr(pictures, "can_render", lambda: "no pictures here")
+    monkeypatch.setattr(rendering, "lacking", lambda: "no pictures here")
     monkeypatch.chdir(tmp_path)
     Path("dome.yaml").write_text(DOME)
     assert commands.run(["solve", "dome.yaml"]) == 0

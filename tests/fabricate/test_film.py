@@ -18,6 +18,7 @@ from inverse.errors import InputError
 from inverse.fabricate.film import film, motion
 from inverse.fabricate.film.stage import NEARLY, set_stage
 from inverse.fabricate.film.surroundings import Surroundings
+from inverse.pictures import rendering
 from inverse.pictures.camera import VIEW_ANGLE
 
 SIZE = (320, 180)
@@ -123,8 +124,8 @@ def test_sizes_that_cannot_be_are_refused(size: tuple[int, int]):
         motion.animation(designs.miura(), ["mp4"], size=size)
 
 
-def test_without_means_to_draw_it_is_said_before_any_work(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(film, "can_render", lambda: "No 3D pictures here.")
+def test_without_means_to_draw_it_is_said_what_can_be_had(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(rendering, "lacking", lambda: "No 3D pictures here.")
     with pytest.raises(InputError, match=r"No 3D pictures here.\n.*glb and html"):
         motion.animation(designs.miura(), ["gif"])
 

@@ -280,13 +280,13 @@ def test_a_target_is_translucent(tmp_path: Path):
 
 
 @pytest.fixture
-def fresh_probe() -> Iterator[None]:
-    rendering._probe.cache_clear()
+def asked_anew() -> Iterator[None]:
+    rendering.can_render.cache_clear()
     yield
-    rendering._probe.cache_clear()
+    rendering.can_render.cache_clear()
 
 
-@pytest.mark.usefixtures("fresh_probe")
+@pytest.mark.usefixtures("asked_anew")
 @pytest.mark.parametrize(
     "code", ["import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "raise ImportError('libX')"]
 )

@@ -15,12 +15,12 @@ from designs import GENERAL, GRIDS, assert_close, eggbox, hybrid, miura, perturb
 from foreign_files import assignments, crease_pattern, generic, scrambled_facets, write_fold, write_obj
 
 import inverse
-from inverse import pictures
 from inverse.cli import commands
 from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.origami import folding, geometry, seeds
 from inverse.origami.pattern import CFL, FL, Design
+from inverse.pictures import rendering
 from inverse.repair import line_types, repair
 from inverse.repair.assignments import foldings
 from inverse.repair.measures import residuals
@@ -441,7 +441,7 @@ def test_a_crease_pattern_has_foldlines_only(tmp_path: Path) -> None:
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pictures, "can_render", lambda: "no pictures here")
+    monkeypatch.setattr(rendering, "lacking", lambda: "no pictures here")
     monkeypatch.chdir(tmp_path)
     design = perturbed(miura(4, 4), NOISE)
     path = write_obj(design.vertices_coords, scrambled_facets(design), tmp_path)
@@ -464,7 +464,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeyp
 def test_the_command_as_json_and_its_codes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pictures, "can_render", lambda: "no pictures here")
+    monkeypatch.setattr(rendering, "lacking", lambda: "no pictures here")
     good = write_fold(miura_map(3, 3), tmp_path)
     code, printed, _ = run(["repair", str(good), "--json", "-o", str(tmp_path / "good")], capsys)
     summary = json.loads(printed)

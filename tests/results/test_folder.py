@@ -8,6 +8,7 @@ import resource
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,12 +22,14 @@ from inverse import pictures
 from inverse.cli import commands
 from inverse.cli.output import write_all
 from inverse.files import atomic
-from inverse.pictures import design_state, rendering
+from inverse.pictures import rendering
+from inverse.pictures.rendering import Renderer
 from inverse.policy.attempts import Attempt
 from inverse.results import saving
 from inverse.results.folder import NAMES, WRITTEN, Results, settle
 
 Run = inverse.Result
+SCENES = {"design_scene": pictures.design_scene, "states_scene": pictures.states_scene}
 
 SPECIFICATION = """\
 name: {name}
@@ -58,9 +61,34 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     def draw(design: inverse.Design, path: Path, **_: object) -> None:
         atomic.write_atomically(path, design.name)
 
-    monkeypatch.setattr(pictures, "can_render", lambda: None)
-    for name in ("crease_pattern_picture", "layers_picture", "design_picture", "states_picture"):
+    for name in ("crease_pattern_picture", "layers_picture"):
         monkeypatch.setattr(pictures, name, draw)
+    for name in ("design_scene", "states_scene"):
+        monkeypatch.setattr(pictures, name, lambda design, *_: design.name)
+    for module in (saving, rendering):
+        monkeypatch.setattr(module, "Renderer", Drawing)
+
+
+class Drawing:
+    """A renderer whose pictures say what was to be rendered."""
+
+    def __enter__(self) -> Drawing:
+        self.folder = tempfile.TemporaryDirectory()
+        self.made: list[Path] = []
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.folder.cleanup()
+
+    def missing(self) -> str | None:
+        return None
+
+    def begin(self, scenes: list[str], name: str) -> None:
+        self.made.append(Path(self.folder.name) / name)
+        self.made[-1].write_text(scenes[0])
+
+    def finish(self) -> list[Path]:
+        return self.made
 
 
 def put(run: Run, folder: Path) -> saving.Written:
@@ -188,7 +216,7 @@ def test_a_disk_that_is_full_of_pictures(runs: dict[str, Run], tmp_path: Path, m
         raise OSError(28, "No space left on device")
 
     put(runs["one"], tmp_path)
-    monkeypatch.setattr(pictures, "states_picture", full)
+    monkeypatch.setattr(pictures, "states_scene", full)
     written = put(runs["two"], tmp_path)
     assert written.notes == ["The pictures cannot be written: [Errno 28] No space left on device"]
     assert owners(tmp_path, runs) == dict.fromkeys(WRITTEN, "two")
@@ -197,10 +225,11 @@ def test_a_disk_that_is_full_of_pictures(runs: dict[str, Run], tmp_path: Path, m
 
 def test_a_picture_worker_that_is_killed(runs: dict[str, Run], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     worker = tmp_path / "worker.py"
-    worker.write_text("import os\nos.kill(os.getpid(), 9)\n")
+    worker.write_text("import os\nprint('ready', flush=True)\nos.kill(os.getpid(), 9)\n")
     monkeypatch.setattr(rendering, "_WORKER", worker)
-    monkeypatch.setattr(rendering, "_probe", lambda: (None, None))
-    monkeypatch.setattr(pictures, "design_picture", design_state.design_picture)
+    monkeypatch.setattr(saving, "Renderer", Renderer)
+    for name, scene in SCENES.items():
+        monkeypatch.setattr(pictures, name, scene)
     put(runs["one"], tmp_path / "out")
     written = put(runs["two"], tmp_path / "out")
     assert written.notes == ["No 3D pictures: the pictures could not be rendered: VTK ended with exit code -9"]
@@ -213,7 +242,7 @@ def test_pictures_that_are_interrupted(
     number: signal.Signals, runs: dict[str, Run], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = signal.getsignal(number)
-    monkeypatch.setattr(pictures, "design_picture", lambda *_, **__: signal.raise_signal(number))
+    monkeypatch.setattr(pictures, "design_scene", lambda *_, **__: signal.raise_signal(number))
     put(runs["one"], tmp_path)
     written = put(runs["two"], tmp_path)
     assert written == saving.Written(["Interrupted: the results have no pictures."], interrupted=True)
@@ -303,7 +332,7 @@ def test_what_is_being_drawn_is_told(runs: dict[str, Run], tmp_path: Path) -> No
     with Results(tmp_path) as into:
         saving.write(runs["one"], into, phase=told.append)
     assert [words for words in told if words.startswith("drawing ")] == [
-        f"drawing {name}" for name in ("crease_pattern.svg", "design.png", "states.png")
+        f"drawing {name}" for name in ("states.png", "design.png", "crease_pattern.svg", "design.png and states.png")
     ]
 
 
@@ -318,13 +347,12 @@ from inverse.results.folder import Results
 def draw(design, path, **_):
     time.sleep(0.002)
     atomic.write_atomically(path, design.name)
-pictures.can_render = lambda: None
-pictures.crease_pattern_picture = pictures.design_picture = pictures.states_picture = draw
+pictures.crease_pattern_picture = draw
 runs = [inverse.solve(specification) for specification in sys.argv[2:]]
 while True:
     for result in runs:
         with Results(Path(sys.argv[1])) as into:
-            saving.write(result, into)
+            saving.write(result, into, pictures="svg")
         print("written", flush=True)
 """
 

@@ -29,7 +29,7 @@ def test_a_result_pickles() -> None:
 
 def test_a_result_saves_itself_as_the_command_line_does(tmp_path: Path) -> None:
     result = dome()
-    assert result.save(tmp_path / "out", pictures=False) == []
+    assert result.save(tmp_path / "out", pictures="none") == []
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
         "certificate.json", "design.fold", "report.json",
     ]  # fmt: skip
@@ -67,7 +67,7 @@ def cold() -> inverse.Result:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("dome")
-    dome().save(folder, pictures=False)
+    dome().save(folder, pictures="none")
     return folder
 
 

@@ -94,7 +94,7 @@ def test_what_is_written_has_its_schema(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     result = make()
-    saving.save(result, Path("out"), pictures=False)
+    saving.save(result, Path("out"), pictures="none")
     report, certificate = (json.loads(Path(f"out/{name}.json").read_text()) for name in ("report", "certificate"))
     assert report.get("ending") == ending
     for name, document in (("report", report), ("certificate", certificate)):

@@ -43,7 +43,7 @@ UNKNOWN_KEYS = [
         "pattern:",
         "|pattrn:",
         '"pattrn" is no key of the top level: allowed are name, units, pattern, context, target, fit, '
-        "objectives, footprint, constraints, require, solver. Did you mean pattern? (and 1 more)",
+        "objectives, footprint, constraints, require, solver, pictures. Did you mean pattern? (and 1 more)",
     ),
     (
         "sector_angle: 60",

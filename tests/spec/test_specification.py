@@ -91,6 +91,7 @@ def test_only_three_keys_are_required_and_the_rest_has_defaults() -> None:
             "motion": "either",
         },
         "solver": {"method": "ipopt", "tolerance": 1e-9, "max_iterations": 500, "time_limit_s": None},
+        "pictures": "all",
     }
     for name in MINIMAL:
         with pytest.raises(InputError, match=f'the key "{name}" is missing from the top level'):

@@ -15,7 +15,7 @@ from inverse.fabricate.panels.panels import Panels
 from inverse.fabricate.picture import bodies, placed
 from inverse.origami import geometry
 from inverse.pictures import colours, drawing
-from inverse.pictures.rendering import can_render, render_frames
+from inverse.pictures.rendering import Renderer
 from inverse.pictures.scene import Caption, Scene, cells_of
 
 RATE = 25  # frames a second; GIF counts in hundredths
@@ -28,7 +28,7 @@ def check_film(size: tuple[int, int], formats: Sequence[str]) -> None:
     """Refuse early what would fail after minutes of drawing.
 
     Raises:
-        InputError: a size that H.264 does not know, a missing library, or no means to draw in 3D.
+        InputError: a size that H.264 does not know, or a missing library.
     """
     low, high = SIZES
     if any(side % 2 or not low <= side <= high for side in size):
@@ -38,9 +38,6 @@ def check_film(size: tuple[int, int], formats: Sequence[str]) -> None:
         )
     if "mp4" in formats:
         _ffmpeg()
-    missing = can_render()
-    if missing is not None:
-        raise InputError(missing, hint="glb and html can be written without 3D pictures.")
 
 
 def film(
@@ -66,10 +63,13 @@ def film(
         InputError: they cannot be drawn here.
     """
     count = len(stage.t)
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, Renderer() as renderer:
         folder = Path(name)
+        renderer.begin(_scenes(stage, size, panels), folder=folder)
+        if (missing := renderer.missing()) is not None:
+            raise InputError(missing, hint="glb and html can be written without 3D pictures.")
         try:
-            pictures = render_frames(_scenes(stage, size, panels), folder, lambda done: progress(done, count))
+            pictures = renderer.finish(lambda done: progress(done, count))
         except RuntimeError as error:
             raise InputError(str(error)) from None
         makers = {"mp4": _mp4, "gif": _gif}

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from inverse._types import FloatArray
 from inverse.origami import folding, geometry
@@ -139,6 +138,8 @@ def _nodes(design: Design) -> _Nodes:
 
 def _held(design: Design, t: FloatArray, nodes: _Nodes) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Quaternions, centroids and vertices of a few states."""
+    from scipy.spatial.transform import Rotation
+
     rotation, shift = folding.facet_motions(design, t)
     free = folding.fold(design, t).vertices_coords
     middle = free.mean(axis=1, keepdims=True)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
@@ -151,6 +150,8 @@ def _nodes(document: dict[str, Any]) -> list[tuple[FloatArray, int]]:
 
 
 def _transform(node: dict[str, Any]) -> FloatArray:
+    from scipy.spatial.transform import Rotation
+
     if "matrix" in node:
         return np.array(node["matrix"], np.float64).reshape(4, 4).T
     place = np.eye(4)
