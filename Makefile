@@ -48,8 +48,10 @@ docs: $(STAMP) ## pages of docs/ and of the docstrings, build/docs/index.html; w
 bench: $(STAMP) ## quality of fits, tubes, speed from 16 x 16 to 128 x 128, films, thick panels (a quarter of an hour)
 	$(BIN)/python -m benchmarks.fit
 	$(BIN)/python -m benchmarks.tubes
+	$(BIN)/python -m benchmarks.live
 	$(BIN)/python -m benchmarks.speed
 	$(BIN)/python -m benchmarks.verdicts
+	$(BIN)/python -m benchmarks.commands
 	$(BIN)/python -m benchmarks.motion
 	$(BIN)/python -m benchmarks.panels
 

@@ -23,8 +23,7 @@ import numpy as np
 
 import inverse
 from inverse import constraints, cylinder_loop, pictures
-from inverse.formulation import formulate
-from inverse.model import DesignModel
+from inverse.formulation.formulate import formulate
 from inverse.nlp import redundancy
 from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
@@ -116,7 +115,7 @@ def show(exact: dict[str, Any], bars: dict[str, Any]) -> None:
 def freedom(sides: int, rows: int) -> tuple[int, int]:
     """Dimension of the solution space with bars and with exact, moves of the whole removed, at the seed."""
     loaded = load(specification("freedom", sides, rows, TARGETS["taper"], "exact"))
-    model = DesignModel(formulate.build_seed(loaded, formulate.build_target(loaded)))
+    model = formulate(loaded).goal.model
     vertices = [constraints.opposite_angles(model), *constraints.planarity(model)]
     found = []
     for loop in (cylinder_loop.around_holes(model, how) for how in ("bars", "exact")):

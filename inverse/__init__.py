@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from inverse.repair.repairing import Repair as Repair
     from inverse.results.result import Result as Result
     from inverse.results.result import SolveError as SolveError
+    from inverse.session import Session as Session
+    from inverse.session import Update as Update
     from inverse.solvers.run import Progress as Progress
     from inverse.spec import load as load
     from inverse.surfaces import Target as Target
@@ -55,8 +57,10 @@ _HOMES = {
     "Progress": ("solvers.run", "Progress"),
     "Repair": ("repair.repairing", "Repair"),
     "Result": ("results.result", "Result"),
+    "Session": ("session", "Session"),
     "SolveError": ("results.result", "SolveError"),
     "Target": ("surfaces", "Target"),
+    "Update": ("session", "Update"),
     "constraint": ("terms.own_constraints", "constraint"),
     "fold": ("origami.folding", "fold"),
     "load": ("spec", "load"),

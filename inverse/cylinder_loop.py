@@ -17,7 +17,9 @@ Where the hole is one missing facet, the disk that fills it is that facet with i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Literal
 
 import casadi
@@ -86,13 +88,14 @@ def exact(model: DesignModel, name: str, strip: tuple[int, ...], filling: Fillin
     points = model.seed_points[vertices]
     centre, size = points.mean(axis=0), _size(points)
     normals = geometry.facet_normals(model.pattern, model.seed_points)[list(strip)]
+    signs = [_signs(normals, quadrilateral) for quadrilateral in filling]
 
-    def residual(q: casadi.SX, _: casadi.SX) -> casadi.SX:
-        planes = _planes((casadi.reshape(q, 3, len(vertices)) - centre) / size, corners)
-        return casadi.vertcat(*(_vertex(planes, normals, quadrilateral) for quadrilateral in filling))
+    def residual(q: casadi.SX, p: casadi.SX) -> casadi.SX:
+        planes = _planes((casadi.reshape(q, 3, len(vertices)) - p[:3]) * p[3], corners)
+        return casadi.vertcat(*(_vertex(planes, *one) for one in zip(filling, signs, strict=True)))
 
-    kernel = Kernel(name, residual, 3 * len(vertices))
-    elements = Elements(name, kernel, model.variables_of(vertices[None]), np.empty((1, 0)))
+    kernel = Kernel(name, residual, 3 * len(vertices), 4)
+    elements = Elements(name, kernel, model.variables_of(vertices[None]), np.r_[centre, 1 / size][None])
     zero = np.zeros((1, kernel.n_residuals))
     # Where a line of vertices goes round beside the strip, what closes the strip closes the next one.
     rings = any(line[0] == line[-1] for line in model.pattern.lines)
@@ -108,15 +111,15 @@ def suited(model: DesignModel, strip: tuple[int, ...]) -> list[Filling]:
     k = len(strip)
     corners, vertices = _corners(model, strip)
     points = model.seed_points[vertices]
-    q = casadi.SX.sym("q", 3, len(vertices))
-    planes, normals = _planes(q, corners), geometry.facet_normals(model.pattern, model.seed_points)[list(strip)]
-    centred = (points - points.mean(axis=0)) / _size(points)
+    normals = geometry.facet_normals(model.pattern, model.seed_points)[list(strip)]
+    cuts = tuple(quadrilaterals(k))
+    slopes = _slopes(tuple(map(tuple, corners)), cuts, tuple(_signs(normals, quadrilateral) for quadrilateral in cuts))
+    values, slope = (found.full() for found in slopes(((points - points.mean(axis=0)) / _size(points)).T))
     jacobians: dict[Quadrilateral, FloatArray] = {}
-    for quadrilateral in quadrilaterals(k):
-        rows = _vertex(planes, normals, quadrilateral)
-        values, jacobian = casadi.Function("vertex", [q], [rows, casadi.jacobian(rows, q)])(centred.T)
-        if np.abs(values.full()).max() < FITS:
-            jacobians[quadrilateral] = jacobian.full()
+    for number, quadrilateral in enumerate(cuts):
+        own = slice(3 * number, 3 * number + 3)
+        if np.abs(values[own]).max() < FITS:
+            jacobians[quadrilateral] = slope[own]
     found = [
         (float(np.linalg.svd(np.vstack([jacobians[q] for q in filling]), compute_uv=False)[-1]), filling)
         for filling in fillings(k, frozenset(jacobians))
@@ -130,6 +133,17 @@ def suited(model: DesignModel, strip: tuple[int, ...]) -> list[Filling]:
     best = max(size for size, _ in found)
     # Mirror images are as good as each other up to rounding, which is not to decide.
     return [filling for _, filling in sorted(found, key=lambda one: (-round(one[0] / best, 6), one[1]))]
+
+
+@lru_cache(maxsize=8)
+def _slopes(
+    corners: tuple[tuple[int, ...], ...], cuts: tuple[Quadrilateral, ...], signs: tuple[tuple[float, float], ...]
+) -> casadi.Function:
+    """Residuals of all vertices that are not there, and their Jacobian, of a strip's vertices (3, N)."""
+    q = casadi.SX.sym("q", 3, len({vertex for face in corners for vertex in face}))
+    planes = _planes(q, corners)
+    rows = casadi.vertcat(*(_vertex(planes, *one) for one in zip(cuts, signs, strict=True)))
+    return casadi.Function("vertices", [q], [rows, casadi.jacobian(rows, q)])
 
 
 def missing_facet(pattern: Pattern, strip: tuple[int, ...]) -> tuple[int, ...] | None:
@@ -161,7 +175,7 @@ def bars(model: DesignModel, name: str, strip: tuple[int, ...]) -> Constraint:
     axes = np.array([b - a, c - a, np.cross(b - a, c - a) / size])
     kept = _coordinates(corners, geometry.facet_normals(model.pattern, model.seed_points)[list(strip)], axes, first)
 
-    def shape(q: casadi.SX) -> casadi.SX:
+    def shape(q: casadi.SX, size: casadi.SX) -> casadi.SX:
         placed = casadi.reshape(q, 3, len(vertices)) / size
         a, b, c = (placed[:, v] for v in first)
         u, v = b - a, c - a
@@ -169,10 +183,9 @@ def bars(model: DesignModel, name: str, strip: tuple[int, ...]) -> Constraint:
         rows = [casadi.sumsqr(u), casadi.sumsqr(v), casadi.dot(u, v)]
         return casadi.vertcat(*rows, *(casadi.dot(own[k], placed[:, vertex] - a) for vertex, k in kept))
 
-    q = casadi.SX.sym("q", 3 * len(vertices))
-    given = np.asarray(casadi.Function("shape", [q], [shape(q)])(points.ravel())).ravel()
-    kernel = Kernel(name, lambda q, _: shape(q), 3 * len(vertices))
-    elements = Elements(name, kernel, model.variables_of(vertices[None]), np.empty((1, 0)))
+    kernel = Kernel(name, shape, 3 * len(vertices), 1)
+    given = np.asarray(kernel.value(points.ravel(), size)).ravel()
+    elements = Elements(name, kernel, model.variables_of(vertices[None]), np.array([[size]]))
     return Constraint(elements, given[None], given[None], (_label(strip),), implies_others=True)
 
 
@@ -236,7 +249,7 @@ def _size(points: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
 
 
-def _planes(q: casadi.SX, corners: list[list[int]]) -> list[casadi.SX]:
+def _planes(q: casadi.SX, corners: Sequence[Sequence[int]]) -> list[casadi.SX]:
     """Unit normal and distance from the origin, (1, 4), of every facet of a strip with vertices q, (3, N)."""
     planes = []
     for face in corners:
@@ -248,15 +261,24 @@ def _planes(q: casadi.SX, corners: list[list[int]]) -> list[casadi.SX]:
     return planes
 
 
-def _vertex(planes: list[casadi.SX], seed_normals: FloatArray, quadrilateral: Quadrilateral) -> casadi.SX:
+def _signs(seed_normals: FloatArray, quadrilateral: Quadrilateral) -> tuple[float, float]:
+    """Whether the two pairs of opposite folds are equal, or together 180 degrees, where an FL is opposite a CFL.
+
+    Planes do not know the difference but for the sides of their normals, which stay as they are in the seed.
+    """
+    i, j, k, m = quadrilateral
+    products = [
+        float(seed_normals[a] @ seed_normals[b]) * float(seed_normals[c] @ seed_normals[d])
+        for a, b, c, d in ((i, j, k, m), (j, k, m, i))
+    ]
+    return (1.0 if products[0] >= 0 else -1.0), (1.0 if products[1] >= 0 else -1.0)
+
+
+def _vertex(planes: list[casadi.SX], quadrilateral: Quadrilateral, signs: tuple[float, float]) -> casadi.SX:
     """Residuals (3,) of a vertex that is not there: four planes through one point, two pairs of opposite folds."""
     i, j, k, m = quadrilateral
     rows = [casadi.det(casadi.vertcat(planes[i], planes[j], planes[k], planes[m]))]
-    for a, b, c, d in ((i, j, k, m), (j, k, m, i)):
-        # Folds are equal, or together 180 degrees where an FL is opposite a CFL; planes do not know the difference
-        # but for the sides of their normals, which stay as they are in the seed.
-        product = float(seed_normals[a] @ seed_normals[b]) * float(seed_normals[c] @ seed_normals[d])
-        sign = 1.0 if product >= 0 else -1.0
+    for (a, b, c, d), sign in zip(((i, j, k, m), (j, k, m, i)), signs, strict=True):
         rows.append(_cosine(planes, a, b) - sign * _cosine(planes, c, d))
     return casadi.vertcat(*rows)
 

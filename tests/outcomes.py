@@ -10,7 +10,8 @@ import numpy as np
 
 from inverse.policy.attempts import Attempt
 from inverse.policy.control import Control
-from inverse.policy.steps import Outcome, Policy
+from inverse.policy.outcome import Outcome
+from inverse.policy.steps import Policy
 from inverse.policy.verdict import Judgement
 from inverse.solvers.run import Ending
 

@@ -107,3 +107,15 @@ def test_verdicts(tmp_path: Path) -> None:
     assert row.startswith("dome 4 x 4")
     times = json.loads(out.read_text())["rows"]["dome 4 x 4"]
     assert all(0 < times["least_ms"][part] <= times["median_ms"][part] for part in header.split()[1:])
+
+
+@pytest.mark.slow
+def test_live(tmp_path: Path) -> None:
+    out = tmp_path / "live.json"
+    run("benchmarks.live", "--cases", "2", "--moves", "2", "--path", "6", "--size", "8", "--out", str(out))
+    found = json.loads(out.read_text())
+    assert found["path"]["certified"] == 6
+    assert found["path"]["apart, of the diagonal"] < 1e-6
+    assert found["path"]["worse by"] < 1e-6
+    assert 0 < found["sweep"]["from the neighbour"] < found["sweep"]["cold"]
+    assert found["moves, tube 8 x 12"]["light, median"] > 0

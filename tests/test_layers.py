@@ -74,6 +74,7 @@ ARROWS: dict[str, set[str]] = {
         "repair",
     },
     "solve": {"origami", "files", "surfaces", "spec", "formulation", "certify", "policy", "results"},
+    "session": GROUND | {"origami", "nlp", "surfaces", "spec", "formulation", "policy", "results"},
     "showing": {"_types", "origami", "spec", "formulation", "pictures"},
     # Leaves and front doors: no room above imports them.
     "fabricate/units": set(),
@@ -147,6 +148,7 @@ ARROWS: dict[str, set[str]] = {
         "repair",
         "results",
         "solve",
+        "session",
     },
 }
 

@@ -107,7 +107,8 @@ def test_newton_is_given_independent_equations_and_the_approach_all(monkeypatch:
     result = solve(4, 6, TAPER)
     assert result.ending == "solved"
     assert {(is_approach, count) for is_approach, count, _ in seen} == {(True, 0), (False, 15)}
-    assert max(push for *_, push in seen) < 1e-12, seen
+    assert max(push for *_, push in seen) < 1e-4, seen  # also where a run breaks off
+    assert seen[-1][2] < 1e-12, seen
 
 
 def test_a_tube_is_packed() -> None:

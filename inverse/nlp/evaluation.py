@@ -41,17 +41,37 @@ class Evaluations:
         shape = self._functions["jac_g"].size_out(1)
         return rows, sparse.csr_matrix((values[order], columns, ends), shape)
 
-    @cached_property
-    def _nlp(self) -> _Call:
-        return _Call(self._functions["nlp"])
+    def curvature(self, x: FloatArray, p: FloatArray, weight: float, multipliers: FloatArray) -> FloatArray:
+        """Nonzeros (K,) of the Lagrangian's Hessian, the objective times ``weight``, in the order of its pattern."""
+        return self._hess_lag(x, p, np.array([weight]), multipliers)[0]
 
     @cached_property
-    def _grad_f(self) -> _Call:
-        return _Call(self._functions["grad_f"])
+    def jacobian_pattern(self) -> tuple[IntArray, IntArray]:
+        """Rows and columns (K,) of the nonzeros of the Jacobian, row by row."""
+        _, columns, ends = self._places
+        return np.repeat(np.arange(len(ends) - 1), np.diff(ends)), columns.astype(np.int64)
 
     @cached_property
-    def _jac_g(self) -> _Call:
-        return _Call(self._functions["jac_g"])
+    def hessian_pattern(self) -> tuple[IntArray, IntArray]:
+        """Rows and columns (K,) of the nonzeros of the Hessian's upper triangle, column by column."""
+        rows, columns = self._functions["hess_lag"].sparsity_out(0).get_triplet()
+        return np.array(rows, np.int64), np.array(columns, np.int64)
+
+    @cached_property
+    def _hess_lag(self) -> Call:
+        return Call(self._functions["hess_lag"])
+
+    @cached_property
+    def _nlp(self) -> Call:
+        return Call(self._functions["nlp"])
+
+    @cached_property
+    def _grad_f(self) -> Call:
+        return Call(self._functions["grad_f"])
+
+    @cached_property
+    def _jac_g(self) -> Call:
+        return Call(self._functions["jac_g"])
 
     @cached_property
     def _places(self) -> tuple[IntArray, IntArray, IntArray]:
@@ -67,8 +87,12 @@ class Evaluations:
         return by_rows.data, by_rows.indices, by_rows.indptr
 
 
-class _Call:
-    """One function with its working memory; one thread at a time."""
+class Call:
+    """One function with its working memory; one thread at a time.
+
+    Args:
+        function: the function.
+    """
 
     def __init__(self, function: casadi.Function) -> None:
         self._buffer, self._evaluate = function.buffer()
@@ -76,7 +100,14 @@ class _Call:
         self._lock = threading.Lock()
 
     def __call__(self, *arguments: FloatArray) -> list[FloatArray]:
-        """Nonzeros of every output, by columns."""
+        """Nonzeros of every output, by columns.
+
+        Args:
+            arguments: for every input its nonzeros, by columns.
+
+        Raises:
+            RuntimeError: the function could not be evaluated.
+        """
         given = [np.ascontiguousarray(argument, np.float64) for argument in arguments]
         results = [np.empty(size) for size in self._sizes]
         with self._lock:

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import casadi
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
+
+SHARING = 5000  # operations of an expression up to which repeated ones are sought
 
 Residual = Callable[[casadi.SX, casadi.SX], casadi.SX]
 
@@ -40,6 +42,11 @@ class Kernel:
         self._is_curved = is_curved
         self.name = name
         self.n_variables, self.n_parameters, self.n_residuals = n_variables, n_parameters, self._residuals.numel()
+
+    @cached_property
+    def form(self) -> str:
+        """What the kernel computes, as text: kernels of one form have the same functions."""
+        return f"{self._is_curved} {casadi.Function('form', [self._q, self._p], [self._residuals]).serialize()}"
 
     @cached_property
     def value(self) -> casadi.Function:
@@ -75,6 +82,10 @@ class Kernel:
     def square_curvature(self) -> casadi.Function:
         """Upper triangle (n, n) of the Hessian of the sum of squares."""
         curvature = casadi.hessian(casadi.sumsqr(self._residuals), self._q)[0]
+        # Slopes and curvatures share much, of a target's own expression two thirds; finding it takes longer than it
+        # saves where the expression is large and the elements are few.
+        if casadi.n_nodes(curvature) < SHARING:
+            curvature = casadi.cse(curvature)
         return self._function("square_curvature", casadi.triu(curvature))
 
     def _function(self, name: str, value: casadi.SX, *more: casadi.SX) -> casadi.Function:
@@ -143,18 +154,11 @@ def scatter(values: casadi.MX, rows: IntArray, columns: IntArray, shape: tuple[i
         columns: (K,) their columns.
         shape: of the matrix.
     """
-    pattern, summing = _places(rows.astype(np.int64).tobytes(), columns.astype(np.int64).tobytes(), shape)
-    return casadi.MX(pattern, casadi.mtimes(summing, values))
-
-
-@lru_cache(maxsize=9)  # a sweep over one topology builds the same few matrices again and again
-def _places(rows: bytes, columns: bytes, shape: tuple[int, int]) -> tuple[casadi.Sparsity, casadi.DM]:
-    """The sparsity of a matrix, and the matrix of ones that adds up nonzeros that share a place."""
-    key = np.frombuffer(columns, np.int64) * shape[0] + np.frombuffer(rows, np.int64)  # column-major, like CasADi
+    key = columns * shape[0] + rows  # column-major, like CasADi
     unique, place = np.unique(key, return_inverse=True)
     # Compressed columns from the start: half the time of triplets, which CasADi would sort again.
     first = np.searchsorted(unique, np.arange(shape[1] + 1) * shape[0])
     pattern = casadi.Sparsity(shape[0], shape[1], first.tolist(), (unique % shape[0]).tolist())
     k = len(key)
     summing = casadi.Sparsity(len(unique), k, list(range(k + 1)), place.tolist())
-    return pattern, casadi.DM(summing, 1.0)
+    return casadi.MX(pattern, casadi.mtimes(casadi.DM(summing, 1.0), values))

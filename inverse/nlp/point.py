@@ -12,6 +12,8 @@ from inverse._types import FloatArray, IntArray
 from inverse.nlp.kernels import Elements
 from inverse.nlp.problem import Problem
 
+PLAIN = 1e50  # what is smaller has finite squares, also summed and weighted
+
 
 @dataclass(frozen=True, eq=False)
 class Point:
@@ -119,6 +121,24 @@ class Point:
     @cached_property
     def not_a_number(self) -> tuple[str, str] | None:
         """Name and element of a term whose value or derivatives are not finite, or None where all are."""
+        return None if self._is_finite else self._first_not_finite()
+
+    @property
+    def _is_finite(self) -> bool:
+        """Whether all values and derivatives are finite, and so far from the largest number that no term can be it."""
+        curvature = self.problem.evaluations.curvature(
+            self.variables, self.parameters, 1.0, np.ones(self.problem.n_rows)
+        )
+        given = [self.problem.layout.weights(self.parameters), self.rows, self.jacobian.data, curvature, self.gradient]
+        for objective in self.problem.objectives:  # CasADi knows a root's square without the root
+            e = objective.elements
+            local, own = self.variables[e.variables].T, self.problem.layout.of(e, self.parameters).T
+            given += [np.asarray(f.map(e.count)(local, own)) for f in (e.kernel.value, e.kernel.jacobian)]
+        largest = [float(np.abs(values).max(initial=0.0)) for values in given]
+        return all(size < PLAIN for size in largest)  # not where one is no number either
+
+    def _first_not_finite(self) -> tuple[str, str] | None:
+        """The same element by element."""
         problem, layout = self.problem, self.problem.layout
         weights = dict(zip((o.name for o in problem.objectives), layout.weights(self.parameters), strict=True))
         terms: list[tuple[Elements, tuple[str, ...] | None]] = [(o.elements, None) for o in problem.objectives]

@@ -10,6 +10,8 @@ import casadi
 import numpy as np
 
 from inverse._types import FloatArray, IntArray
+from inverse.nlp.compiled import Compiled, Functions, compiled, structure
+from inverse.nlp.curvature import Curvature
 from inverse.nlp.evaluation import Evaluations
 from inverse.nlp.kernels import Elements, scatter
 from inverse.nlp.layout import Layout
@@ -23,14 +25,23 @@ class Problem:
         n_variables: length of the vector of variables.
         objectives: terms of the objective.
         constraints: hard constraints.
+        is_kept: whether its functions are kept for other problems of the same structure; not where there will be none.
 
     Attributes:
         lower: (R,) lower bounds of all constraint rows.
         upper: (R,) upper bounds.
     """
 
-    def __init__(self, n_variables: int, objectives: Sequence[Objective], constraints: Sequence[Constraint]) -> None:
+    def __init__(
+        self,
+        n_variables: int,
+        objectives: Sequence[Objective],
+        constraints: Sequence[Constraint],
+        *,
+        is_kept: bool = True,
+    ) -> None:
         self.n_variables = n_variables
+        self._is_kept = is_kept
         self.objectives, self.constraints = tuple(objectives), tuple(constraints)
         names = [elements.name for elements in self._elements]
         if len(set(names)) < len(names):
@@ -84,9 +95,35 @@ class Problem:
     def _elements(self) -> list[Elements]:
         return [*(o.elements for o in self.objectives), *(c.elements for c in self.constraints)]
 
-    @cached_property
-    def functions(self) -> dict[str, casadi.Function]:
+    @property
+    def functions(self) -> Functions:
         """CasADi functions in the form that ``nlpsol`` takes: nlp, grad_f, jac_g, hess_lag."""
+        return self.compiled.functions
+
+    @cached_property
+    def compiled(self) -> Compiled:
+        """The functions, shared by all problems of this structure."""
+        if not self._is_kept:
+            return Compiled(self._made())
+        key = structure(self.n_variables, [o.elements for o in self.objectives], [c.elements for c in self.constraints])
+        return compiled(key, self.n_rows, self._made)
+
+    @property
+    def evaluations(self) -> Evaluations:
+        """The same for arrays."""
+        return self.compiled.evaluations
+
+    @property
+    def curvature(self) -> Curvature:
+        """The Lagrangian's Hessian without elements that nothing pushes, shared as well."""
+        kept = self.compiled.kept
+        if Curvature not in kept:
+            objectives, constraints = [o.elements for o in self.objectives], [c.elements for c in self.constraints]
+            kept[Curvature] = Curvature(self.layout, objectives, constraints, self.evaluations.hessian_pattern)
+        found: Curvature = kept[Curvature]
+        return found
+
+    def _made(self) -> Functions:
         x = casadi.MX.sym("x", self.n_variables)
         p = casadi.MX.sym("p", self.layout.size)
         lam_f, lam_g = casadi.MX.sym("lam_f"), casadi.MX.sym("lam_g", self.n_rows)
@@ -106,11 +143,6 @@ class Problem:
                 ["triu:hess:gamma:x:x"],
             ),
         }
-
-    @cached_property
-    def evaluations(self) -> Evaluations:
-        """The same for arrays."""
-        return Evaluations(self.functions)
 
     def _minimized(
         self, x: casadi.MX, p: casadi.MX, lam_f: casadi.MX, hessian: _Triplets

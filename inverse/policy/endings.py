@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from inverse.policy.steps import SHORTEST_SHARE, Outcome, Policy, reasons
+from inverse.policy.outcome import Outcome, reasons
+from inverse.policy.steps import SHORTEST_SHARE, Policy
 from inverse.policy.verdict import violated
 from inverse.solvers.run import Ending
 

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from inverse._types import FloatArray
+from inverse._types import FloatArray, IntArray
 from inverse.crossing import crossing_facets
 from inverse.formulation.anchors import PolylineAnchor
 from inverse.formulation.formulate import Formulation
@@ -19,9 +19,11 @@ from inverse.policy import verdict
 from inverse.policy.attempts import Attempt, attempt_of
 from inverse.policy.best import COARSE, SEED, START
 from inverse.policy.control import Control
+from inverse.policy.following import Following
 from inverse.policy.runs import Runs
 from inverse.policy.strips import alike
 from inverse.solvers.ipopt import Ipopt
+from inverse.solvers.newton import METHOD
 from inverse.solvers.projection import brought_near
 from inverse.solvers.run import Ending, Run
 from inverse.solvers.slsqp import Slsqp
@@ -31,10 +33,7 @@ from inverse.terms.goal import Goal
 
 MAX_ROUNDS = 40
 SETTLED = 0.1  # rounds end when the gradient at the new closest points is this fraction of what is allowed
-GAIN = 1e-2  # on a target with kinks they end when two rounds together lower the fit's rms by less than this
 SPACING = np.pi / 64  # of the states of the motion that are looked at, like the certificate's
-
-Step = tuple[FloatArray, FloatArray]  # points of a design, and how far they are from where closest points were taken
 
 
 @dataclass
@@ -52,6 +51,9 @@ class Rounds:
         start_name: what the start is, for messages.
         attempts: what was tried so far.
         kept: where the design comes from that is kept of rounds which were ended early, a sentence; else None.
+        is_exact: whether they ended with Newton's method, which leaves nothing to polish.
+        apart: pairs of facets that are kept apart, by the states in which they crossed.
+        segments: (N,) int for every sliding anchor, where its vertices are on its polyline; none before they are known.
     """
 
     formulation: Formulation
@@ -64,11 +66,15 @@ class Rounds:
     start_name: str = START
     attempts: list[Attempt] = field(default_factory=list)
     kept: str | None = None
+    is_exact: bool = False
+    apart: dict[float, set[tuple[int, int]]] = field(default_factory=dict)
+    segments: tuple[IntArray, ...] = ()
 
     @cached_property
     def runs(self) -> Runs:
         """The runs of the solver."""
-        return Runs(self.formulation.goal, self.options, self.control, self.method)
+        from_solution = self.multipliers is not None
+        return Runs(self.formulation.goal, self.options, self.control, self.method, from_solution=from_solution)
 
     def run(self) -> Point:
         """Solve; where facets cross, keep them apart and solve again from the seed.
@@ -78,10 +84,9 @@ class Rounds:
         """
         model = self.formulation.goal.model
         start = self.start
-        apart: dict[float, set[tuple[int, int]]] = {}  # by states
         while True:
             extra: list[Constraint] = []
-            for t, pairs in apart.items():
+            for t, pairs in self.apart.items():
                 if t == np.pi / 2:
                     one = separation.in_design(model, np.array(sorted(pairs)))
                     extra += [] if one is None else [one]
@@ -90,10 +95,10 @@ class Rounds:
             point = self._fitted(start, extra)
             start = None
             crossing = self._crossing(point.variables)
-            more = {t: pairs | apart.get(t, set()) for t, pairs in crossing.items()}
-            if self.control.stopped or self.runs.round >= MAX_ROUNDS or {**apart, **more} == apart:
+            more = {t: pairs | self.apart.get(t, set()) for t, pairs in crossing.items()}
+            if self.control.stopped or self.runs.round >= MAX_ROUNDS or {**self.apart, **more} == self.apart:
                 return point
-            apart |= more
+            self.apart |= more
 
     def unsolved(self) -> Point:
         """The start as a point that no solver has touched."""
@@ -112,24 +117,26 @@ class Rounds:
     def _fitted(self, start: FloatArray | None, extra: list[Constraint]) -> Point:
         """Rounds from a start, or the seed, until the closest points and the segments of polylines have settled."""
         goal = self.formulation.goal
-        sliding, seen = self.formulation.sliding, set()
+        sliding, seen = self._sliding(), set()
         problem, solver = self._problem(sliding, extra)
         at = self._beginning(problem, start)
-        if at.not_a_number is not None:
+        if not _has_values(at):
             return at
         if self.control.stopped:  # before there was anything to do
             self.attempts.append(Attempt(self.step, self.method, Ending.GIVEN_UP))
             return self._best(at)
         is_spread = start is not None and self.start_name == COARSE
-        is_seed, following = start is None, _Following(goal, goal.model.points(at.variables))
+        is_seed, following = start is None, Following(goal, goal.model.points(at.variables))
         while True:
             seen.add(_segments(sliding))
+            self.segments = tuple(anchor.segments for anchor in sliding)
             # The problem comes with closest points for the seed.
             at = at if is_seed else _refreshed(goal, at, following.aim)
             run, rms = self._one_round(solver, at, is_seed=is_seed, is_spread=is_spread)
             is_seed, is_spread, at = False, False, run.end
             points = goal.model.points(at.variables)
-            following.seen(at, rms)
+            if rms is not None:
+                following.seen(at, rms)
             fresh = _refreshed(goal, at, points)
             onward = [anchor.moved_on(points) for anchor in sliding]
             if (
@@ -139,7 +146,7 @@ class Rounds:
             ):
                 return fresh
             if _segments(onward) not in seen:
-                sliding, following = onward, _Following(goal, points)
+                sliding, following = onward, Following(goal, points)
                 problem, solver = self._problem(sliding, extra)
                 at = Point(problem, at.variables, problem.parameters())
             elif goal.fitting.is_exact or verdict.stationarity(fresh, goal) < SETTLED * verdict.STATIONARITY:
@@ -149,12 +156,20 @@ class Rounds:
             else:
                 following.go_on(points)
 
+    def _sliding(self) -> list[PolylineAnchor]:
+        """The anchors on polylines with their vertices on the segments that are known, else on the seed's."""
+        anchors = self.formulation.sliding
+        if [len(anchor.segments) for anchor in anchors] != [len(segments) for segments in self.segments]:
+            return anchors
+        known = zip(anchors, self.segments, strict=True)
+        return [replace(anchor, segments=np.minimum(own, len(anchor.polyline) - 2)) for anchor, own in known]
+
     def _beginning(self, problem: Problem, start: FloatArray | None) -> Point:
         """Where the rounds begin; who stops early gets the better of a start and the seed."""
         seed = Point(problem, self.formulation.goal.seed_variables, problem.parameters())
         best = self.runs.best
         if start is None:
-            if seed.not_a_number is None:
+            if _has_values(seed):
                 best.begin(seed.variables, seed.objective, seed.violation, SEED)
             return seed
         multipliers = self.multipliers
@@ -163,7 +178,7 @@ class Rounds:
         at = seed.moved(start).pushed(multipliers)
         if self.start_name == COARSE:
             at = self._near(at)
-        if at.not_a_number is None:
+        if _has_values(at):
             best.begin(seed.variables, seed.objective, seed.violation, SEED)
             best.begin(at.variables, at.objective, at.violation, self.start_name)
         return at
@@ -173,19 +188,27 @@ class Rounds:
         near, model = brought_near(spread), self.formulation.goal.model
         return near if geometry.are_convex(model.pattern, model.points(near.variables)) else spread
 
-    def _one_round(self, solver: Ipopt | Slsqp, at: Point, *, is_seed: bool, is_spread: bool) -> tuple[Run, float]:
-        """The last run of a round and the fit it came to; all runs are told."""
+    def _one_round(
+        self, solver: Ipopt | Slsqp, at: Point, *, is_seed: bool, is_spread: bool
+    ) -> tuple[Run, float | None]:
+        """The last run of a round, and the fit it came to on a target with kinks; all runs are told."""
         self.runs.round += 1
         self.runs.may_contradict = all(len(anchor.polyline) == 2 for anchor in self.formulation.sliding)
         runs = self.runs.one_round(solver, at, is_seed=is_seed, is_spread=is_spread)
+        self.is_exact = runs[-1].method == METHOD and runs[-1].ending is Ending.SOLVED
         facets = len(self.formulation.goal.model.pattern.faces_vertices)
         told = [attempt_of(run, self.step, self.method, facets, self.runs.round) for run in runs]
         end = self._best(runs[-1].end) if self.control.stopped else runs[-1].end
-        goal = self.formulation.goal
-        distances = goal.fitting.distances(goal.model.points(end.variables))
-        rms = float(np.sqrt(np.mean(distances**2)))
+        rms = self._rms(end)
         self.attempts += [*told[:-1], replace(told[-1], fit_rms=rms)]
         return replace(runs[-1], end=end), rms
+
+    def _rms(self, point: Point) -> float | None:
+        """The fit, in length units, where it tells whether rounds lead on: on a target with kinks; else None."""
+        goal = self.formulation.goal
+        if not goal.target.has_kinks:
+            return None
+        return float(np.sqrt(np.mean(goal.fitting.distances(goal.model.points(point.variables)) ** 2)))
 
     def _best(self, point: Point) -> Point:
         """The best design so far, for rounds that are ended early."""
@@ -222,41 +245,6 @@ class Rounds:
         return problem, self.runs.solver(problem)
 
 
-@dataclass
-class _Following:
-    """Closest points that follow a design from round to round.
-
-    Attributes:
-        goal: what is fitted.
-        aim: (V, 3) vertices that closest points are taken for.
-    """
-
-    goal: Goal
-    aim: FloatArray
-    _before: Step | None = None
-    _history: list[tuple[float, Point]] = field(default_factory=list)
-
-    def seen(self, point: Point, rms: float) -> None:
-        """Remember where a round ended, and its fit."""
-        self._history.append((rms, point))
-
-    def go_on(self, points: FloatArray) -> None:
-        """Aim further on, from the vertices (V, 3) that a round came to."""
-        step = points, points - self.aim
-        self.aim = points if self.goal.target.has_kinks else _ahead(step, self._before)
-        self._before = step
-
-    @property
-    def is_to_and_fro(self) -> bool:
-        """Whether closest points jump between the facets of a target mesh, which they would do for ever."""
-        return self.goal.target.has_kinks and len(self._history) > 3 and _no_gain([rms for rms, _ in self._history])
-
-    @property
-    def best(self) -> Point:
-        """The best round: stationary for the tangent planes that it was solved with."""
-        return min(self._history, key=lambda entry: entry[0])[1]
-
-
 def _refreshed(goal: Goal, point: Point, points: FloatArray) -> Point:
     """A point with the target's closest points to vertices (V, 3)."""
     if goal.fitting.is_exact:
@@ -264,24 +252,11 @@ def _refreshed(goal: Goal, point: Point, points: FloatArray) -> Point:
     return point.given(point.problem.parameters(goal.fitting.refreshed(points)))
 
 
-def _ahead(step: Step, before: Step | None) -> FloatArray:
-    """Where closest points are taken next, from the designs of two rounds and how far each went from its aim.
-
-    Tangent planes know nothing of the target's curvature, so that rounds go past the solution and back again, or
-    come nearer slowly. The line through two rounds shows where they lead (Anderson's method of depth one).
-    """
-    points, change = step
-    if before is None:
-        return points
-    earlier, change_before = before
-    turn = change - change_before
-    share = float(np.sum(change * turn) / max(np.sum(turn * turn), np.finfo(float).tiny))
-    share = min(max(share, -2.0), 0.5)  # no leaps while rounds still differ much
-    return np.asarray((1 - share) * points + share * earlier)
-
-
-def _no_gain(rms: list[float]) -> bool:
-    return min(rms[-2:]) > (1 - GAIN) * min(rms[:-2])
+def _has_values(start: Point) -> bool:
+    """Whether a start can be solved from; near a solution, where it has multipliers, derivatives have values too."""
+    if start.multipliers is not None and np.isfinite([start.objective, start.violation]).all():
+        return True
+    return start.not_a_number is None
 
 
 def _segments(sliding: list[PolylineAnchor]) -> tuple[bytes, ...]:

@@ -14,6 +14,7 @@ from inverse.policy.best import BestSoFar
 from inverse.policy.control import Control
 from inverse.solvers.feasibility import least_violation
 from inverse.solvers.ipopt import APPROACHING, EASED, NEAR, STATIC, Ipopt
+from inverse.solvers.newton import METHOD, newton
 from inverse.solvers.projection import polish
 from inverse.solvers.relaxation import LightIpopt, relaxed
 from inverse.solvers.run import Ending, Progress, Run
@@ -44,6 +45,7 @@ class Runs:
         best: the best iterates so far.
         may_contradict: whether all that is asked stands in the problem; not where vertices may go on to other segments.
         least: the design with the least violation of all constraints, where these contradict each other.
+        from_solution: whether it all began at the solution of a task like this one.
     """
 
     goal: Goal
@@ -55,6 +57,7 @@ class Runs:
     best: BestSoFar = field(init=False)
     may_contradict: bool = False
     least: Point | None = None
+    from_solution: bool = False
 
     def __post_init__(self) -> None:
         self.best = BestSoFar(self.goal)
@@ -86,6 +89,10 @@ class Runs:
         limit = self.options.max_iterations
         if isinstance(solver, Slsqp):
             return [solver.run(start, limit)]
+        if self.from_solution and start.multipliers is not None:
+            found = newton(start, self.goal.model.refinement, self.options.tolerance, limit, self._report_convex)
+            if found is not None or self.control.stopped:
+                return [found or Run(start, Ending.GIVEN_UP, 0, 0.0, 0.0, METHOD)]
         runs: list[Run] = []
         at, methods = start, _methods(start, is_spread)
         light = None if is_seed or not methods else self._light(start)
@@ -149,16 +156,20 @@ class Runs:
         if relaxation is None:
             return None
 
-        model = self.goal.model
-
         def report(progress: Progress) -> bool:
-            # Sector angles have no sign: without its bounds a facet may turn over and satisfy them again.
-            if not geometry.are_convex(model.pattern, model.points(progress.variables)):
-                return False
-            whole = at.moved(progress.variables).violation
-            return self._report(replace(progress, violation=whole)) and whole <= TOO_FAR
+            return self._report_convex(replace(progress, violation=at.moved(progress.variables).violation))
 
         return LightIpopt(relaxation, self._ipopt(relaxation.problem, report))
+
+    def _report_convex(self, progress: Progress) -> bool:
+        """The same for who keeps to some bounds only: stops where all of them are left, or a facet turns over.
+
+        Sector angles have no sign: without its bounds a facet may turn over and satisfy them again.
+        """
+        model = self.goal.model
+        if not geometry.are_convex(model.pattern, model.points(progress.variables)):
+            return False
+        return self._report(progress) and progress.violation <= TOO_FAR
 
     def _ipopt(self, problem: Problem, report: Callable[[Progress], bool]) -> Ipopt:
         began = time.perf_counter()

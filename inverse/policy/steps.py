@@ -9,18 +9,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from inverse._types import FloatArray
-from inverse.certify import Certificate, check_frame
+from inverse.certify import check_frame
 from inverse.errors import InputError
 from inverse.files import fold_file
 from inverse.formulation.formulate import Formulation, formulate
 from inverse.nlp.point import Point
-from inverse.origami.pattern import Design
 from inverse.policy import coarse, verdict
 from inverse.policy.attempts import Attempt
 from inverse.policy.best import COARSE, START
 from inverse.policy.control import Control
+from inverse.policy.outcome import Outcome, reasons
 from inverse.policy.rounds import Rounds
-from inverse.policy.verdict import Judgement
 from inverse.solvers.ipopt import NEAR
 from inverse.solvers.projection import Projection, balanced, polish
 from inverse.solvers.run import Ending
@@ -30,62 +29,6 @@ from inverse.terms.goal import Goal
 FIRST_SHARE = 0.25  # of the target's heights: where a path from the seed to the target begins
 SHORTEST_SHARE = 1 / 8  # steps of the path that fail are halved down to this
 NLOPT_LARGEST = 1500  # variables up to which the fallback has a chance to end within a minute
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """Where one step of the policy ended, polished and judged.
-
-    Attributes:
-        point: where.
-        design: the design.
-        certificate: its independent certificate.
-        judgement: our own verdict.
-        range_faults: what of an asked range of motion is not free, as sentences.
-        raised: what a step raised that should not, as sentences.
-        kept: where the design comes from, a sentence, if the step was ended early.
-    """
-
-    point: Point
-    design: Design
-    certificate: Certificate
-    judgement: Judgement
-    range_faults: tuple[str, ...]
-    raised: tuple[str, ...] = ()
-    kept: str | None = None
-
-    @property
-    def failed(self) -> tuple[str, ...]:
-        """What fails of our own verdict, as sentences."""
-        return self.raised + self.judgement.failed + self.range_faults
-
-    @property
-    def converged(self) -> bool:
-        """Stationary and feasible by our own test."""
-        return not self.failed
-
-    @property
-    def is_feasible(self) -> bool:
-        """Whether all constraints hold."""
-        return self.point.violation <= verdict.BOUND
-
-    @property
-    def is_solved(self) -> bool:
-        """Certified and converged."""
-        return self.converged and self.certificate.certified
-
-    @property
-    def _rank(self) -> tuple[bool, bool, float, float]:
-        return (
-            self.is_solved,
-            self.certificate.certified,
-            -max(self.point.violation, verdict.BOUND),
-            -self.point.objective,
-        )
-
-    def better(self, other: Outcome | None) -> Outcome:
-        """This one, unless the other is better."""
-        return self if other is None or self._rank > other._rank else other
 
 
 @dataclass(eq=False)
@@ -103,6 +46,7 @@ class Policy:
         least: the design with the least violation of all constraints, where these contradict each other.
         failure: name of the step that raised what no step should, and what that was, where it ended the solve.
         error: the same as an exception.
+        rounds: the latest.
     """
 
     loaded: Loaded
@@ -117,6 +61,7 @@ class Policy:
     least: Point | None = None
     failure: tuple[str, str] | None = None
     error: Exception | None = None
+    rounds: Rounds | None = None
 
     def run(self, variables: FloatArray | None, multipliers: FloatArray | None) -> Outcome:
         """Try one step after the other until one succeeds.
@@ -205,6 +150,24 @@ class Policy:
         self._record("equation (9)", "within the constraints" if moved is not None else "no design found near by")
         return None if moved is None else self._outcome(moved)
 
+    def follow(self, variables: FloatArray, multipliers: FloatArray, before: Rounds) -> Point:
+        """Only the straight way from the solution of a task like this one, not yet certified.
+
+        Args:
+            variables: (n,) where to start.
+            multipliers: (R,) that belong to them.
+            before: the rounds that found that solution.
+        """
+        rounds = self._rounds("update", self.formulation, variables, multipliers)
+        rounds.apart, rounds.segments = dict(before.apart), before.segments
+        return self._run(rounds)
+
+    def outcome(self, point: Point) -> Outcome:
+        """Certify and judge the point that :meth:`follow` came to, and tell of it as of an attempt."""
+        outcome = self._judged(point, self.formulation)
+        self._conclude(outcome)
+        return outcome
+
     def _solved(
         self,
         step: str,
@@ -215,39 +178,69 @@ class Policy:
         start_name: str = START,
     ) -> Outcome:
         """One solve from a start, or the seed."""
-        rounds = Rounds(
-            formulation, self._options, self.control, method or self._method, variables, multipliers, step, start_name
-        )
-        began = time.perf_counter()
+        rounds = self._rounds(step, formulation, variables, multipliers, method, start_name)
         try:
-            point = rounds.run()
+            point = self._run(rounds)
         except Exception as error:  # the best iterate is not to be lost with it
             self.attempts += rounds.attempts
             self._fail(step, error)
             return self._outcome(rounds.abandoned(), formulation)
+        outcome = replace(self._judged(point, formulation), kept=rounds.kept)
+        self._conclude(outcome)
+        return outcome
+
+    def _rounds(
+        self,
+        step: str,
+        formulation: Formulation,
+        variables: FloatArray | None,
+        multipliers: FloatArray | None = None,
+        method: str | None = None,
+        start_name: str = START,
+    ) -> Rounds:
+        """The rounds of one solve."""
+        self.rounds = Rounds(
+            formulation, self._options, self.control, method or self._method, variables, multipliers, step, start_name
+        )
+        return self.rounds
+
+    def _run(self, rounds: Rounds) -> Point:
+        """Where rounds end, polished."""
+        began = time.perf_counter()
+        point = rounds.run()
         self.seconds["build"] += rounds.runs.seconds_building
         self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
         self.least = rounds.runs.least
-        attempts = rounds.attempts or [Attempt(step, step, Ending.INVALID_NUMBER)]
-        if attempts[-1].ended == Ending.INVALID_NUMBER:
+        self.attempts += rounds.attempts or [Attempt(rounds.step, rounds.step, Ending.INVALID_NUMBER)]
+        if self.attempts[-1].ended == Ending.INVALID_NUMBER:
             self.not_a_number = point.not_a_number
-        outcome = replace(self._outcome(point, formulation, is_polished=rounds.kept is not None), kept=rounds.kept)
-        said = "; ".join(reasons(outcome)) or "certified and converged"
-        self.attempts += [*attempts[:-1], replace(attempts[-1], outcome=said)]
-        return outcome
+        return point if rounds.is_exact else self._polished(point, is_polished=rounds.kept is not None)
 
-    def _outcome(self, point: Point, formulation: Formulation | None = None, *, is_polished: bool = False) -> Outcome:
+    def _conclude(self, outcome: Outcome) -> None:
+        """Tell with the last attempt what it came to."""
+        said = "; ".join(reasons(outcome)) or "certified and converged"
+        self.attempts[-1] = replace(self.attempts[-1], outcome=said)
+
+    def _outcome(self, point: Point, formulation: Formulation | None = None) -> Outcome:
         """Polish, certify and judge."""
-        asked = formulation or self.formulation
+        return self._judged(self._polished(point), formulation or self.formulation)
+
+    def _polished(self, point: Point, *, is_polished: bool = False) -> Point:
+        """A point where all equations hold to rounding, if they can, with multipliers that fit it."""
+        if self.not_a_number is not None:
+            return point
         began = time.perf_counter()
-        if self.not_a_number is None:
-            point = balanced(point if is_polished else polish(point))
+        point = balanced(point if is_polished else polish(point))
+        self.seconds["polish"] += time.perf_counter() - began
+        return point
+
+    def _judged(self, point: Point, asked: Formulation) -> Outcome:
+        """Certify and judge."""
         design = asked.goal.model.design(point.variables)
-        polished = time.perf_counter()
+        began = time.perf_counter()
         self.control.phase("certifying")
         certificate = check_frame(fold_file.frame(design))
-        self.seconds["polish"] += polished - began
-        self.seconds["certify"] += time.perf_counter() - polished
+        self.seconds["certify"] += time.perf_counter() - began
         with np.errstate(over="ignore", invalid="ignore"):  # figures that are no numbers are told as such
             judgement = verdict.judge(point, asked.goal, self.loaded.specification.constraints)
         return Outcome(point, design, certificate, judgement, verdict.range_faults(asked.free_range, certificate))
@@ -291,9 +284,3 @@ class Policy:
 
     def _record(self, step: str, ended: str) -> None:
         self.attempts.append(Attempt(step, step, ended))
-
-
-def reasons(outcome: Outcome) -> list[str]:
-    """Why an outcome is not certified and converged, as sentences; empty if it is."""
-    failed = [check.sentence for check in outcome.certificate.checks.values() if not check.passed]
-    return [*failed, *outcome.failed]

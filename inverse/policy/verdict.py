@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -36,6 +37,17 @@ def gradient_scale(problem: Problem, goal: Goal) -> float:
     thousandth of the seed's size, each in a direction of its own so that no term overlooks it, then is larger. A seed
     that is far from its target has 20 to 280 times as much, in all tasks of ``benchmarks/``.
     """
+    known = _SCALES.get(problem)
+    if known is None or known[0] is not goal:
+        known = _SCALES[problem] = goal, _gradient_scale(problem, goal)
+    return known[1]
+
+
+# Asked for several times in every round.
+_SCALES: WeakKeyDictionary[Problem, tuple[Goal, float]] = WeakKeyDictionary()
+
+
+def _gradient_scale(problem: Problem, goal: Goal) -> float:
     seed, n = goal.seed_variables, goal.model.n_variables
     moved = seed.copy()
     moved[:n] += MOVED * geometry.diagonal(goal.model.seed_points) * np.random.default_rng(0).standard_normal(n)

@@ -22,7 +22,8 @@ from inverse.origami.pattern import Design
 from inverse.pictures.design_state import Surface
 from inverse.policy import endings, measures
 from inverse.policy.control import Control, Watch
-from inverse.policy.steps import Outcome, Policy
+from inverse.policy.outcome import Outcome
+from inverse.policy.steps import Policy
 from inverse.results.result import Result, Size, SolveError
 from inverse.spec import Loaded
 from inverse.terms.goal import Goal
@@ -32,23 +33,38 @@ Start = Result | Design | Path | str
 
 def made(loaded: Loaded, given: Given, start: Start | None, watch: Watch | None, *, throw: bool) -> Result:
     """Solve a task; see :func:`inverse.solve`."""
-    began = time.perf_counter()
-    limit = loaded.specification.solver.time_limit_s
-    control = Control(np.inf if limit is None else time.monotonic() + limit, watch)
+    control = controlled(loaded, watch)
     with control.interruptible():
-        first = _read(start) if isinstance(start, Path | str) else start
-        context = read_context(loaded)
-        formulation = formulate(loaded, given=given)
-        measures.own(formulation.goal.model.seed)  # what is wrong with them is told before solving
-        control.check()
-        policy = Policy(loaded, formulation, control)
-        policy.seconds["formulate"] = time.perf_counter() - began
-        outcome = policy.run(*_beginning(first, formulation.goal))
-        surface = None if context is None else triangulated(context)[:2]
-        result = _result(loaded, policy, outcome, surface)
+        context = surroundings(loaded)
+        policy, outcome = solved(loaded, given, start, control)
+        result = told(policy, outcome, context)
     if throw and result.ending != endings.SOLVED:
         raise SolveError(result) from policy.error or control.failure
     return result
+
+
+def controlled(loaded: Loaded, watch: Watch | None) -> Control:
+    """What ends the steps of a task from outside; its clock runs from now on."""
+    limit = loaded.specification.solver.time_limit_s
+    return Control(np.inf if limit is None else time.monotonic() + limit, watch)
+
+
+def surroundings(loaded: Loaded) -> Surface | None:
+    """Vertices (V, 3) and triangles (T, 3) of the buildings that a specification names, if any."""
+    context = read_context(loaded)
+    return None if context is None else triangulated(context)[:2]
+
+
+def solved(loaded: Loaded, given: Given, start: Start | None, control: Control) -> tuple[Policy, Outcome]:
+    """Try all that the policy knows; its best outcome."""
+    began = time.perf_counter()
+    first = _read(start) if isinstance(start, Path | str) else start
+    formulation = formulate(loaded, given=given)
+    measures.own(formulation.goal.model.seed)  # what is wrong with them is told before solving
+    control.check()
+    policy = Policy(loaded, formulation, control)
+    policy.seconds["formulate"] = time.perf_counter() - began
+    return policy, policy.run(*_beginning(first, formulation.goal))
 
 
 def _read(path: Path | str) -> Design:
@@ -75,9 +91,9 @@ def _beginning(start: Result | Design | None, goal: Goal) -> tuple[FloatArray | 
     return goal.start(design.vertices_coords - goal.origin), None
 
 
-def _result(loaded: Loaded, policy: Policy, outcome: Outcome, context: Surface | None) -> Result:
-    """What is told of an outcome, in the coordinates of the specification."""
-    formulation, near = policy.formulation, outcome
+def told(policy: Policy, outcome: Outcome, context: Surface | None) -> Result:
+    """What is told of an outcome, in the coordinates of the specification, with the buildings around it."""
+    loaded, formulation, near = policy.loaded, policy.formulation, outcome
     goal, point = formulation.goal, outcome.point
     if goal.origin.any():
         outcome = _moved_back(outcome, goal.origin)

@@ -99,5 +99,6 @@ def relaxed(point: Point) -> Relaxation | None:
         start += count * k
     if kept > WORTHWHILE * (kept + dropped) or dropped == 0 or not constraints:
         return None
-    light = Problem(problem.n_variables, problem.objectives, constraints)
+    # Which bounds are far off differs from task to task.
+    light = Problem(problem.n_variables, problem.objectives, constraints, is_kept=False)
     return Relaxation(problem, light, np.concatenate(rows))

@@ -81,7 +81,7 @@ class Target(ABC):
         return Nearest(*self.triangles())
 
     def over_plan(self, points: FloatArray) -> FloatArray:
-        """Points (N, 3) of the triangulated surface over the same places of the plan, or nearest to them there."""
+        """Points (N, 3) of the surface, or of its triangles, over the same places of the plan, or nearest to them."""
         frame = self.frame
         _, _, feet = self._flat.find((points - frame.origin) @ frame.axes.T * SQUEEZE)
         return np.asarray((feet / SQUEEZE) @ frame.axes + frame.origin)
@@ -137,6 +137,10 @@ class _Moved(Target):
         """See :meth:`Target.closest`."""
         found = self._target.closest(points + self._origin)
         return ClosestPoints(found.feet - self._origin, found.weights)
+
+    def over_plan(self, points: FloatArray) -> FloatArray:
+        """See :meth:`Target.over_plan`."""
+        return self._target.over_plan(points + self._origin) - self._origin
 
     def triangles(self) -> tuple[FloatArray, IntArray]:
         """See :meth:`Target.triangles`."""

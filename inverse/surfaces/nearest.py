@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
 from typing import TYPE_CHECKING, Any
+from weakref import WeakSet
 
 import numpy as np
 
@@ -10,6 +12,16 @@ from inverse._types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     import igl
+
+
+_with_trees: WeakSet[Nearest] = WeakSet()
+
+
+@atexit.register
+def _let_go() -> None:
+    """Give trees back before Python ends: the library of those that a script still holds complains about them."""
+    for nearest in _with_trees:
+        nearest.drop()
 
 
 class Nearest:
@@ -29,6 +41,10 @@ class Nearest:
         """Without the tree, which is built again where it is needed."""
         return {**self.__dict__, "_tree": None}
 
+    def drop(self) -> None:
+        """Forget the tree."""
+        self._tree = None
+
     @property
     def _built(self) -> igl.AABB:
         import igl  # loaded when used: the package itself must import fast
@@ -36,6 +52,7 @@ class Nearest:
         if self._tree is None:
             self._tree = igl.AABB()
             self._tree.init(self.vertices, self.triangles)
+            _with_trees.add(self)
         return self._tree
 
     def first_met(self, points: FloatArray, directions: FloatArray, reach: float) -> IntArray:

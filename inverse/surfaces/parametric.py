@@ -223,6 +223,10 @@ class HeightTarget(ParametricTarget):
         lowered = f"({level!r}) + {share!r}*(({self.expression}) - ({level!r}))"
         return HeightTarget(lowered, self.domain, self.origin)
 
+    def over_plan(self, points: FloatArray) -> FloatArray:
+        """See :meth:`Target.over_plan`; of the surface itself."""
+        return self.point(np.clip(points[:, :2], self.low, self.high))
+
     def residual(self, point: casadi.SX) -> casadi.SX:
         """Height difference along the normal, and how far the point lies outside the domain.
 

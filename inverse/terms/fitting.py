@@ -54,6 +54,16 @@ class Fitting(ABC):
     def fair_points(self) -> FloatArray:
         """(V, 3) dimensionless vertices that a fair design is displaced from evenly."""
 
+    def followed(self, points: FloatArray, before: Fitting) -> FloatArray:
+        """Where vertices (V, 3) of a design go when a target has changed: (V, 3), as a fair design goes.
+
+        Args:
+            points: of a design that was fitted before.
+            before: how that was fitted, by the same pattern.
+        """
+        after, fair = (one.model.to_lengths(one.fair_points()) for one in (self, before))
+        return points + (after - fair)
+
     @abstractmethod
     def distances(self, points: FloatArray) -> FloatArray:
         """Distances (N,) of the fitted points of vertices (V, 3) from the target, border included."""

@@ -11,6 +11,7 @@ import numpy as np
 from inverse._types import FloatArray, IntArray
 from inverse.errors import InputError
 from inverse.model import DesignModel
+from inverse.nlp.constants import lifted
 from inverse.nlp.kernels import Elements, Kernel
 from inverse.origami import geometry
 from inverse.origami.pattern import B
@@ -53,7 +54,7 @@ class SurfaceFitting(Fitting):
             k = group.shape[1]
             name = "fit" if not blocks else f"fit_{k}"
 
-            def exact(q: casadi.SX, _: casadi.SX, k: int = k) -> casadi.SX:
+            def exact(q: casadi.SX, k: int = k) -> casadi.SX:
                 distance = self.target.residual(_mean(q, k) * model.scale + model.centre)
                 assert distance is not None  # this kernel is for exact targets only
                 return casadi.SX(distance / (model.scale * model.refinement))
@@ -63,7 +64,9 @@ class SurfaceFitting(Fitting):
 
             variables = model.variables_of(group)
             if self.is_exact:
-                blocks.append(Elements(name, Kernel(name, exact, 3 * k, 0), variables, np.empty((len(group), 0))))
+                residual, numbers = lifted(exact, 3 * k)
+                parameters = np.tile(numbers, (len(group), 1))
+                blocks.append(Elements(name, Kernel(name, residual, 3 * k, len(numbers)), variables, parameters))
             else:
                 # The seed lies flat over the plan, and what is closest to it is the target's crests: the places
                 # over the same points of the plan are a better start.
@@ -107,6 +110,11 @@ class SurfaceFitting(Fitting):
     def fair_points(self) -> FloatArray:
         """See :meth:`Fitting.fair_points`: the seed."""
         return self.model.seed_points
+
+    def followed(self, points: FloatArray, before: Fitting) -> FloatArray:
+        """See :meth:`Fitting.followed`: with the seed, and then up or down with the target."""
+        moved = super().followed(points, before)
+        return moved + (self.target.over_plan(moved) - before.target.over_plan(points)) - (moved - points)
 
     def distances(self, points: FloatArray) -> FloatArray:
         """See :meth:`Fitting.distances`; of vertices of the model, or of its design, which may lack facets."""

@@ -13,7 +13,8 @@ from outcomes import SOLVED, STALLED, attempts, outcome, policy
 from inverse.errors import InputError
 from inverse.policy import steps, verdict
 from inverse.policy.attempts import Attempt
-from inverse.policy.steps import Outcome, Policy
+from inverse.policy.outcome import Outcome
+from inverse.policy.steps import Policy
 from inverse.solvers.ipopt import NEAR
 from inverse.solvers.run import Ending
 
@@ -126,6 +127,8 @@ class Solved:
     attempts: tuple[Attempt, ...] = ()
     raised: Exception | None = None
     kept: str | None = None
+    is_exact = False
+    step = "a step"
     runs = SimpleNamespace(seconds_building=0.0, least=None)
 
     def __init__(self, *given: Any) -> None:
@@ -144,15 +147,19 @@ def solved(monkeypatch: pytest.MonkeyPatch, found: Outcome, **of: Any) -> tuple[
     """The policy after one solve that comes to ``found``; and what was judged."""
     one, judged = policy(), []
 
-    def outcome_of(point: Any, _: Any, *, is_polished: bool = False) -> Outcome:
+    def polished(point: Any, *, is_polished: bool = False) -> Any:
         assert is_polished == (Solved.kept is not None)
+        return point
+
+    def judgement_of(point: Any, _: Any) -> Outcome:
         judged.append(point.name)
         return found
 
     for name, value in of.items():
         monkeypatch.setattr(Solved, name, value)
     monkeypatch.setattr(steps, "Rounds", Solved)
-    monkeypatch.setattr(one, "_outcome", outcome_of)
+    monkeypatch.setattr(one, "_polished", polished)
+    monkeypatch.setattr(one, "_judged", judgement_of)
     outcome = one._solved("a step", one.formulation, None)
     assert (outcome.point, outcome.judgement) == (found.point, found.judgement)
     assert outcome.kept == (None if Solved.raised else Solved.kept)
@@ -211,8 +218,8 @@ def test_what_has_a_number_is_polished_before_it_is_judged(not_a_number: Any, mo
     assert found.design == f"design of {expected}"
     assert found.certificate == f"certificate of design of {expected}"
     assert found.judgement == f"judgement on {expected}"
-    kept = one._outcome(point, is_polished=True)
-    assert kept.design == ("design of x, balanced" if not_a_number is None else "design of x")
+    kept = one._polished(point, is_polished=True)
+    assert kept.variables == ("x, balanced" if not_a_number is None else "x")
 
 
 # ---- a path of flatter targets

@@ -15,7 +15,7 @@ from inverse.nlp.point import Point
 from inverse.nlp.problem import Problem
 from inverse.origami import geometry
 from inverse.origami.pattern import FloatArray
-from inverse.policy.rounds import _ahead
+from inverse.policy.following import _ahead
 
 SIZES = (8, 16, 24)
 

@@ -29,10 +29,10 @@ from inverse.nlp.problem import Problem
 from inverse.nlp.term import Objective
 from inverse.origami.pattern import FloatArray
 from inverse.policy import endings, verdict
+from inverse.policy.rounds import Rounds
 from inverse.solvers.ipopt import Ipopt
 from inverse.solvers.run import Ending, Run
 from inverse.surfaces.parametric import BetweenTarget, HeightTarget
-from inverse.terms.surface_fit import SurfaceFitting
 
 
 def steps(result: inverse.Result) -> list[str]:
@@ -221,16 +221,16 @@ def test_what_the_certificate_refuses_is_not_solved(monkeypatch: pytest.MonkeyPa
 
 
 def test_what_a_step_raises_loses_no_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The measure of the fit breaks after the first round: its best iterate is kept, and the cause is told."""
-    distances, called = SurfaceFitting.distances, []
+    """The search for crossing facets breaks after the first round: its best iterate is kept, and the cause is told."""
+    crossing, called = Rounds._crossing, []
 
-    def broken(fitting: SurfaceFitting, points: FloatArray) -> FloatArray:
-        called.append(points)
+    def broken(rounds: Rounds, x: FloatArray) -> Any:
+        called.append(x)
         if len(called) == 1:
             raise np.linalg.LinAlgError("Singular matrix")
-        return distances(fitting, points)
+        return crossing(rounds, x)
 
-    monkeypatch.setattr(SurfaceFitting, "distances", broken)
+    monkeypatch.setattr(Rounds, "_crossing", broken)
     result = inverse.solve(task())
     assert result.ending == "failed"
     assert "the step start raised LinAlgError: Singular matrix" in result.status

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 
 import igl
 import numpy as np
@@ -83,3 +85,13 @@ def test_gaps_along_a_tube_are_those_from_its_circles() -> None:
     t = np.linspace(0, 1, 17)
     wanted = [np.linalg.norm(points - tube._on_circle(points, np.full(30, k)), axis=1) for k in t]
     np.testing.assert_allclose(tube._gaps(points, t), wanted, rtol=1e-12)
+
+
+def test_a_script_that_ends_with_a_tree_says_nothing() -> None:
+    """The library of the trees complains of those that are alive when Python ends."""
+    script = (
+        "import numpy as np; from inverse.surfaces.nearest import Nearest; "
+        "one = Nearest(np.eye(3), np.array([[0, 1, 2]])); one.find(np.ones((1, 3)))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "")

@@ -249,7 +249,9 @@ def test_the_middle_row_is_closed(loop: str) -> None:
     row = {"exact": 2, "bars": 0}[loop]  # the paper keeps an end
     assert constraint.labels == (f"strip of 6 facets from facet {row}",)
     x = made.goal.seed_variables
-    rows = np.asarray(constraint.elements.kernel.value(x[constraint.elements.variables[0]], []))
+    rows = np.asarray(
+        constraint.elements.kernel.value(x[constraint.elements.variables[0]], constraint.elements.parameters[0])
+    )
     assert_close(rows.ravel(), constraint.lower[0], 1e-12)
 
 
