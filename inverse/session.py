@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -170,10 +170,5 @@ class Session:
         failed = (*judgement.failed, *([f"{crossing} pairs of facets cross"] if crossing else []))
         iterations = sum(attempt.iterations for attempt in policy.attempts)
         design = design.moved_to(design.vertices_coords + goal.origin)
-        return Update(
-            design, failed, iterations, time.perf_counter() - began, partial(_result, policy, outcome, self._context)
-        )
-
-
-def _result(policy: Policy, outcome: Callable[[], Outcome], context: Any) -> Result:
-    return told(policy, outcome(), context)
+        seconds = time.perf_counter() - began
+        return Update(design, failed, iterations, seconds, lambda: told(policy, outcome(), self._context))

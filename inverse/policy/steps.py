@@ -158,9 +158,12 @@ class Policy:
             multipliers: (R,) that belong to them.
             before: the rounds that found that solution.
         """
-        rounds = self._rounds("update", self.formulation, variables, multipliers)
-        rounds.apart, rounds.segments = dict(before.apart), before.segments
-        return self._run(rounds)
+        return self._run(
+            Rounds(
+                self.formulation, self._options, self.control, self._method, variables, multipliers, "update",
+                apart=dict(before.apart), segments=before.segments,
+            )
+        )  # fmt: skip
 
     def outcome(self, point: Point) -> Outcome:
         """Certify and judge the point that :meth:`follow` came to, and tell of it as of an attempt."""
@@ -178,7 +181,9 @@ class Policy:
         start_name: str = START,
     ) -> Outcome:
         """One solve from a start, or the seed."""
-        rounds = self._rounds(step, formulation, variables, multipliers, method, start_name)
+        rounds = Rounds(
+            formulation, self._options, self.control, method or self._method, variables, multipliers, step, start_name
+        )
         try:
             point = self._run(rounds)
         except Exception as error:  # the best iterate is not to be lost with it
@@ -189,24 +194,9 @@ class Policy:
         self._conclude(outcome)
         return outcome
 
-    def _rounds(
-        self,
-        step: str,
-        formulation: Formulation,
-        variables: FloatArray | None,
-        multipliers: FloatArray | None = None,
-        method: str | None = None,
-        start_name: str = START,
-    ) -> Rounds:
-        """The rounds of one solve."""
-        self.rounds = Rounds(
-            formulation, self._options, self.control, method or self._method, variables, multipliers, step, start_name
-        )
-        return self.rounds
-
     def _run(self, rounds: Rounds) -> Point:
         """Where rounds end, polished."""
-        began = time.perf_counter()
+        self.rounds, began = rounds, time.perf_counter()
         point = rounds.run()
         self.seconds["build"] += rounds.runs.seconds_building
         self.seconds["solve"] += time.perf_counter() - began - rounds.runs.seconds_building
